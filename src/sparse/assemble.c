@@ -182,7 +182,8 @@ static void add_flows(const ns_csc *a, double *flow) {
         flow[a->row[k]] += fabs(a->value[k]);
 }
 
-static int split_rows(ns_form *f, const ns_large *a, const unsigned char *balance, int at_rest) {
+/* sums: the rows of A that stand in place of those of T A (ns_sparse_sum_leaky_parts()). */
+static int split_rows(ns_form *f, const ns_system *s, const ns_large *a, int at_rest, ns_csc *sums) {
     if (!at_rest) {
         double *flow = calloc((size_t)f->n + 1, sizeof *flow);
         if (!flow)
@@ -194,7 +195,7 @@ static int split_rows(ns_form *f, const ns_large *a, const unsigned char *balanc
         if (status == NS_OK)
             status = ns_sparse_sum_parts(&a->M, &a->A, f->algebraic, &f->Tt);
         if (status == NS_OK)
-            status = ns_sparse_sum_leaky_parts(a, balance, f->algebraic, &f->Tt);
+            status = ns_sparse_sum_leaky_parts(s, a, f->algebraic, &f->Tt, sums);
         return status;
     }
     memset(f->algebraic, 1, (size_t)f->n);
@@ -214,12 +215,18 @@ static void drop_algebraic(ns_form *f) {
 }
 
 static int fill(ns_form *f, const ns_system *s, const ns_large *a, int at_rest) {
-    int status = split_rows(f, a, s->balance, at_rest);
-    if (status != NS_OK || (status = rows_of(&a->M, NULL, &f->Tt, &f->Mt)))
+    ns_csc sums = {0};
+    int status = split_rows(f, s, a, at_rest, &sums);
+    if (status == NS_OK)
+        status = rows_of(&a->A, &a->B, &f->Tt, &f->At);
+    if (status == NS_OK)
+        status = ns_sparse_sums_put(&sums, f->n, &f->At);
+    if (status != NS_OK || (status = rows_of(&a->M, NULL, &f->Tt, &f->Mt))) {
+        ns_linalg_csc_free(&sums);
         return status;
+    }
     drop_algebraic(f);
-    (void)((status = rows_of(&a->A, &a->B, &f->Tt, &f->At)) ||
-           (status = rows_of(&a->C, &a->D, NULL, &f->Ct)) || (status = copy_csc(&a->gx, &f->gx)) ||
+    (void)((status = rows_of(&a->C, &a->D, NULL, &f->Ct)) || (status = copy_csc(&a->gx, &f->gx)) ||
            (status = take_inputs(f, s, a)) || (status = copy_csc(&a->F, &f->F)) ||
            (status = ns_linalg_csc_transpose(&a->F, &f->Ft)) || (status = copy_csc(&a->gz, &f->gz)));
     for (int j = 0; j < f->m; j++)
@@ -229,7 +236,12 @@ static int fill(ns_form *f, const ns_system *s, const ns_large *a, int at_rest) 
             f->command[s->command[c].pair] = c;
             f->may_slide = 1;
         }
-    return status == NS_OK ? make_places(f) : status;
+    if (status == NS_OK)
+        status = make_places(f);
+    if (status == NS_OK)
+        status = ns_sparse_sums_find(f, &sums);
+    ns_linalg_csc_free(&sums);
+    return status;
 }
 
 static int hold_nothing(ns_form *f) {
@@ -278,6 +290,7 @@ void ns_sparse_form_free(ns_form *f) {
     free(f->KG);
     free(f->law);
     free(f->command);
+    free(f->summed);
     free(f->held);
     free(f->algebraic);
     free(f->b);
@@ -304,6 +317,8 @@ void ns_sparse_form_values(const ns_form *f, double g, const ns_mode *mode, cons
             else
                 value[k] = (i == j) + (leak ? leak[i - f->n] * f->KA[k] : 0);
         }
+    for (int j = 0; j < f->m; j++)
+        ns_sparse_sums_value(f, mode[j], j, value);
 }
 
 void ns_sparse_form_law_values(const ns_form *f, ns_mode mode, int j, double *value) {
@@ -311,6 +326,7 @@ void ns_sparse_form_law_values(const ns_form *f, ns_mode mode, int j, double *va
         const int k = f->law_place[p];
         value[k] = ns_mode_slides(mode) ? f->KG[k] : mode == NS_INSIDE ? f->KA[k] : f->law_own[p];
     }
+    ns_sparse_sums_value(f, mode, j, value);
 }
 
 void ns_sparse_form_subtract(const ns_form *f, double g, const ns_mode *mode, const double *v, double *r) {

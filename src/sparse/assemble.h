@@ -29,7 +29,9 @@ typedef struct ns_form {
     ns_csc gx, gz; /* n*nc, nz*nc */
     ns_csc Tt;     /* its columns are the rows of T */
     double *b, *e; /* n, m */
-    double *held;  /* n, or NULL: what x_i is held at in place of row i (a node's KCL), NAN: it is not */
+    int *summed; /* m+1, or NULL: where the sums of parts have lambda_j in K: from summed[j] to summed[j+1] */
+    int *summed_place, *summed_row; /* the places, and the rows */
+    double *held; /* n, or NULL: what x_i is held at in place of row i (a node's KCL), NAN: it is not */
 } ns_form;
 
 /* The matrices of a system that has dense arrays, and frees them.  Errors: MEMORY. */
@@ -46,7 +48,7 @@ void ns_sparse_form_free(ns_form *f); /* NULL is allowed */
 void ns_sparse_form_values(const ns_form *f, double g, const ns_mode *mode, const double *leak,
                            double *value);
 
-/* Those in the row of pair j. */
+/* Those in the row of pair j, and in sums of parts. */
 void ns_sparse_form_law_values(const ns_form *f, ns_mode mode, int j, double *value);
 
 /* r -= K v, without leaks. */
@@ -75,9 +77,22 @@ int ns_sparse_split(const ns_csc *M, const double *flow, ns_csc *Tt, unsigned ch
 int ns_sparse_sum_parts(const ns_csc *M, const ns_csc *A, const unsigned char *algebraic, ns_csc *Tt);
 /* The same file: 1 if the rows of part p, part[row] == p, cancel in column j of a, but for rounding. */
 int ns_sparse_part_cancels(const ns_csc *a, const int *part, int p, int j);
-/* leaky_parts.c: some of the algebraic rows of T become sums of all balances (n; as in ns_system) of a part.
+/* leaky_parts.c: some of the algebraic rows of T become sums of all balances of a part.  a: the matrices of
+ * s; sums: column i, if it is not empty, is row i of T A without the rounding of A; freed by the caller.
  * Errors: MEMORY. */
-int ns_sparse_sum_leaky_parts(const ns_large *a, const unsigned char *balance, const unsigned char *algebraic,
-                              ns_csc *Tt);
+int ns_sparse_sum_leaky_parts(const ns_system *s, const ns_large *a, const unsigned char *algebraic,
+                              ns_csc *Tt, ns_csc *sums);
+
+/* sum_rows.c: rows of At whose columns of sums are not empty become these, with what B has in them.  Errors:
+ * MEMORY. */
+int ns_sparse_sums_put(const ns_csc *sums, int n, ns_csc *At);
+/* Where they have lambda, once there are places.  Errors: MEMORY. */
+int ns_sparse_sums_find(ns_form *f, const ns_csc *sums);
+/* The values of lambda_j in them: 0 where its own row gives it. */
+void ns_sparse_sums_value(const ns_form *f, ns_mode mode, int j, double *value);
+/* Then it is taken from r (size) instead, before that is solved for; and where r is r - K v, what is left
+ * without it. */
+void ns_sparse_form_move_known(const ns_form *f, const ns_mode *mode, double *r);
+void ns_sparse_form_leave_known(const ns_form *f, const ns_mode *mode, const double *v, double *r);
 
 #endif

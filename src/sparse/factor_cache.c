@@ -51,7 +51,7 @@ int ns_sparse_factors_create(const ns_form *f, size_t limit, ns_mode_factors **o
     q->kept = (ns_mode_table){.m = f->m, .limit = limit, .free_entry = free_cached, .owner = q};
     q->value = calloc((size_t)f->K.start[f->size] + 1, sizeof(double));
     q->work = calloc(3 * (size_t)f->size + 1, sizeof(double));
-    q->row = calloc((size_t)f->m + 1, sizeof(int));
+    q->row = calloc((size_t)f->m + (size_t)(f->summed ? f->summed[f->m] : 0) + 1, sizeof(int));
     q->seen_v = q->work ? q->work + 2 * f->size : NULL;
     int status = q->value && q->work && q->row ? create_working(q) : NS_E_MEMORY;
     if (status == NS_OK)
@@ -185,6 +185,8 @@ static int change_laws(ns_mode_factors *q, ns_cached_factors *k, const ns_mode *
         if (k->of.mode[j] != mode[j]) {
             ns_sparse_form_law_values(q->f, mode[j], j, q->value);
             q->row[rows++] = q->f->n + j;
+            for (int p = q->f->summed ? q->f->summed[j] : 0; q->f->summed && p < q->f->summed[j + 1]; p++)
+                q->row[rows++] = q->f->summed_row[p];
         }
     return ns_linalg_klu_change(q->klu, k->factors, q->value, rows, q->row);
 }
@@ -280,7 +282,8 @@ static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, int re
 static int solve_updated(ns_mode_factors *q, const ns_cached_factors *k, int residual, const double *r,
                          double *v) {
     ns_low_rank *u = k->update;
-    const int good = ns_sparse_update_solve(u, q->klu, k->factors, r, v, u->checked ? NULL : q->seen_v);
+    const int good =
+        ns_sparse_update_solve(u, q->klu, k->factors, k->of.mode, r, v, u->checked ? NULL : q->seen_v);
     if (good && (u->checked ||
                  ns_sparse_leaks_left(q->f, k->of.h, u->mode, NULL, r, v, q->seen_v, q->work) <= poor)) {
         u->checked = 1;
@@ -311,6 +314,7 @@ static int solve_factored(ns_mode_factors *q, const ns_cached_factors *k, int re
     if (k->update && k->update->count > 0)
         return solve_updated(q, k, residual, r, v);
     memcpy(v, r, sizeof(double) * (size_t)q->f->size);
+    ns_sparse_form_move_known(q->f, k->of.mode, v);
     ns_linalg_klu_solve(q->klu, k->factors, v);
     return NS_OK;
 }

@@ -70,7 +70,8 @@ double ns_sparse_guard_least_rounding(const ns_sparse *m, int j, const double *v
     if (m->mode[j] != NS_INSIDE)
         return ns_sparse_guard_rounding(m, j, v, w, g);
     (void)sizes_of_lambda(m, j, v, w, g, &least);
-    return (least < INFINITY ? rounding * least : 0) + DBL_EPSILON * m->largest.lambda;
+    const int in_sums = m->f->summed && m->f->summed[j] < m->f->summed[j + 1];
+    return (least < INFINITY ? rounding * least : 0) + (in_sums ? 0 : DBL_EPSILON * m->largest.lambda);
 }
 
 double ns_sparse_guard_rounding(const ns_sparse *m, int j, const double *v, const double *w, double g) {

@@ -7,6 +7,13 @@
  *
  * Rows are joined where anything but a large resistor leads from one node to the other: entries of A and M of
  * one sign in both directions, the current of a branch or of a pair that leaves one and enters the other.
+ *
+ * Then the same is done inside of these parts, and of what is joined to ground, where a pair whose device
+ * leaks very little joins nothing: a blocked one is a large resistor, and in the sum stands the lambda of a
+ * closed one.
+ *
+ * A itself is rounded: 1e-12 S beside 3 S in the diagonal entry of a node has four digits.  What flows out of
+ * a part is exact where it is taken from the rows that it enters: of other parts, and of ground.
  */
 #include "assemble.h"
 
@@ -16,19 +23,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* S: smaller conductances are leaks. */
-static const double leak = 1e-3, rounding = 8 * DBL_EPSILON;
+/* S: smaller conductances are leaks; devices that leak less are, where no more than that holds a part. */
+static const double leak = 1e-3, tiny_leak = 1e-6, rounding = 8 * DBL_EPSILON;
 
 typedef struct leaky {
     const ns_large *a;
     const unsigned char *balance, *algebraic;
+    const double *ground; /* n: the row of ground in A */
     const ns_csc *Tt;
     int n;
-    int *part;  /* n+1: of each row, by its top; n: ground's; a row that is no balance is alone */
-    int *size;  /* n+1: balances in a part, by its top */
-    int *leads; /* n+1: by its top, 1: leaks of a part are left where its rows are added up */
-    int *uses;  /* n */
-    int *sum;   /* n+1: the row of T in which its sum stands, by its top; -1: none */
+    int *uses;     /* n */
+    int *part;     /* n+1: of each row, by its top; n: ground's; a row that is no balance is alone */
+    int *size;     /* n+1: balances in a part, by its top */
+    int *sum;      /* n+1: the row of T in which its sum stands, by its top; -1: none */
+    double *leads; /* n+1: by its top, the largest conductance that leads out of it */
+    const struct leaky *outer; /* NULL, or the parts that all pairs join */
 } leaky;
 
 /* All balances in column j: what leaves one of them enters the others, or ground if it is alone. */
@@ -63,7 +72,32 @@ static void join_node(const leaky *l, const ns_csc *a, int j, double least) {
         ns_system_union_join(l->part, j, l->n);
 }
 
-static void find_parts(const leaky *l) {
+/* Siemens beside the pair of column j of B, between the two balances it enters, or one and ground; 0: there
+ * are none, or they are not known. */
+static double beside(const leaky *l, int j) {
+    const ns_csc *B = &l->a->B, *A = &l->a->A;
+    int end[2] = {-1, -1}, count = 0;
+    double siemens = 0;
+    for (int k = B->start[j]; k < B->start[j + 1]; k++)
+        if (l->balance[B->row[k]] && B->value[k] != 0) {
+            end[count > 0] = B->row[k];
+            count++;
+        }
+    if (count == 1)
+        return isnan(l->ground[end[0]]) ? 0 : fabs(l->ground[end[0]]);
+    for (int k = count == 2 ? A->start[end[0]] : 0; count == 2 && k < A->start[end[0] + 1]; k++)
+        if (A->row[k] == end[1])
+            siemens = fabs(A->value[k]);
+    return siemens;
+}
+
+/* 1 if the pair of column j joins what it leads to. */
+static int joins(const leaky *l, int j) {
+    const double siemens = l->outer ? beside(l, j) : 0;
+    return !(siemens > 0 && siemens < tiny_leak);
+}
+
+static void join_branches(const leaky *l) {
     const ns_large *a = l->a;
     ns_system_union_begin(l->part, l->n + 1);
     for (int j = 0; j < l->n; j++) {
@@ -76,19 +110,47 @@ static void find_parts(const leaky *l) {
         }
     }
     for (int j = 0; j < a->B.columns; j++)
-        join_column(l, &a->B, j);
+        if (joins(l, j))
+            join_column(l, &a->B, j);
     for (int j = 0; j < a->E.columns; j++)
         join_column(l, &a->E, j);
+}
+
+/* Siemens in column j that lead out of part p: from its own rows, or from those of all other parts and of
+ * ground, where less is rounded. */
+static double leads_out(const leaky *l, int j, int p) {
+    const ns_csc *A = &l->a->A;
+    double in = 0, of_in = 0, out = l->ground[j], of_out = fabs(out);
+    for (int k = A->start[j]; k < A->start[j + 1]; k++) {
+        const double value = A->value[k];
+        if (!l->balance[A->row[k]])
+            continue;
+        if (l->part[A->row[k]] == p) {
+            in += value;
+            of_in += fabs(value);
+        } else {
+            out += value;
+            of_out += fabs(value);
+        }
+    }
+    if (of_out < of_in && fabs(in + out) <= rounding * (of_in + of_out)) {
+        in = -out;
+        of_in = of_out;
+    }
+    return fabs(in) > rounding * of_in ? in : 0;
+}
+
+static void find_parts(const leaky *l) {
+    join_branches(l);
     for (int i = 0; i <= l->n; i++)
         l->part[i] = ns_system_union_top(l->part, i);
     for (int i = 0; i < l->n; i++)
         l->size[l->part[i]] += l->balance[i];
-}
-
-static void find_leaks(const leaky *l) {
     for (int j = 0; j < l->n; j++)
-        if (l->balance[j])
-            l->leads[l->part[j]] |= !ns_sparse_part_cancels(&l->a->A, l->part, l->part[j], j);
+        if (l->balance[j]) {
+            double *leads = &l->leads[l->part[j]];
+            *leads = fmax(*leads, fabs(leads_out(l, j, l->part[j])));
+        }
 }
 
 /* uses[i]: rows of T in which row i of the system is. */
@@ -106,24 +168,20 @@ static int is_alone(const leaky *l, int i) {
     return found && l->uses[i] == 1;
 }
 
-/* Siemens that lead from node i out of part p. */
-static double leaves(const leaky *l, int i, int p) {
-    const ns_csc *A = &l->a->A;
-    double sum = 0;
-    for (int k = A->start[i]; k < A->start[i + 1]; k++)
-        if (l->part[A->row[k]] == p)
-            sum += A->value[k];
-    return fabs(sum);
-}
-
 /* How well the sum of part p stands in the place of row i: the one whose own voltages the largest leak holds,
  * so that the diagonal keeps its pivots; of equals a single row of the system. */
 static double fitness(const leaky *l, int i, int p) {
     const int *row = l->Tt->row + l->Tt->start[i], count = l->Tt->start[i + 1] - l->Tt->start[i];
     double most = count == 1 ? leak * DBL_EPSILON : 0;
     for (int k = 0; k < count; k++)
-        most = fmax(most, leaves(l, row[k], p));
+        most = fmax(most, fabs(leads_out(l, row[k], p)));
     return most;
+}
+
+/* 1 if part p gets a sum: the outer part gets its own, which stands in none of the rows of p. */
+static int is_summed(const leaky *l, int p, int outer_sum) {
+    return l->leads[p] > 0 && p != l->part[l->n] && l->size[p] > 1 &&
+           (!l->outer || (l->leads[p] < tiny_leak && (outer_sum < 0 || l->part[outer_sum] != p)));
 }
 
 /* Of each part that is not joined to ground the algebraic row that fits best. */
@@ -132,9 +190,8 @@ static int find_rows(const leaky *l) {
     for (int i = 0; i <= l->n; i++)
         l->sum[i] = -1;
     for (int i = 0; i < l->n; i++) {
-        const int p = l->part[i];
-        if (!l->balance[i] || !l->algebraic[i] || !l->leads[p] || p == l->part[l->n] || l->size[p] < 2 ||
-            !is_alone(l, i))
+        const int p = l->part[i], outer_sum = l->outer ? l->outer->sum[l->outer->part[i]] : -1;
+        if (!l->balance[i] || !l->algebraic[i] || !is_summed(l, p, outer_sum) || !is_alone(l, i))
             continue;
         count += l->sum[p] < 0;
         if (l->sum[p] < 0 || fitness(l, i, p) > fitness(l, l->sum[p], p))
@@ -143,41 +200,81 @@ static int find_rows(const leaky *l) {
     return count;
 }
 
-static int put_rows(const leaky *l, ns_csc *T) {
-    ns_entries e = {0};
-    for (int i = 0; i < l->n; i++) {
-        const int p = l->part[i];
-        if (l->balance[i] && l->sum[p] >= 0)
-            ns_linalg_entries_add(&e, i, l->sum[p], 1);
-        for (int k = l->Tt->start[i]; k < l->Tt->start[i + 1] && l->sum[p] != i; k++)
-            ns_linalg_entries_add(&e, l->Tt->row[k], i, l->Tt->value[k]);
-    }
-    const int status = ns_linalg_csc_of_entries(l->n, l->n, &e, T);
-    ns_linalg_entries_free(&e);
-    return status;
+/* Puts to e the rows of T that are sums of parts, and their rows of A. */
+static void put_sums(const leaky *l, ns_entries *T, ns_entries *sums) {
+    const ns_csc *A = &l->a->A;
+    for (int i = 0; i < l->n; i++)
+        if (l->balance[i] && l->sum[l->part[i]] >= 0)
+            ns_linalg_entries_add(T, i, l->sum[l->part[i]], 1);
+    for (int j = 0; j < l->n; j++)
+        for (int k = A->start[j]; k < A->start[j + 1]; k++) {
+            const int p = l->part[A->row[k]];
+            int is_first = l->balance[A->row[k]] && l->sum[p] >= 0;
+            for (int q = A->start[j]; q < k && is_first; q++)
+                is_first = !l->balance[A->row[q]] || l->part[A->row[q]] != p;
+            const double siemens = is_first ? leads_out(l, j, p) : 0;
+            if (siemens != 0)
+                ns_linalg_entries_add(sums, j, l->sum[p], siemens);
+        }
 }
 
-/* NOLINTNEXTLINE(readability-non-const-parameter): written through l */
-int ns_sparse_sum_leaky_parts(const ns_large *a, const unsigned char *balance, const unsigned char *algebraic,
-                              ns_csc *Tt) {
-    leaky l = {.a = a, .balance = balance, .algebraic = algebraic, .Tt = Tt, .n = Tt->columns};
-    const size_t rows = (size_t)l.n + 1;
+static int is_sum(const leaky *l, int i) {
+    return l->balance[i] && l->sum[l->part[i]] == i;
+}
+
+/* Tt becomes T with the sums of both. */
+static int make_sums(const leaky *outer, const leaky *inner, ns_csc *Tt, ns_csc *sums) {
+    ns_entries e = {0}, of_sums = {0};
     ns_csc T = {0};
-    int status = NS_OK;
-    l.part = calloc(5 * rows, sizeof *l.part);
-    if (!l.part)
-        return NS_E_MEMORY;
-    l.size = l.part + rows;
-    l.sum = l.size + rows;
-    l.leads = l.sum + rows;
-    l.uses = l.leads + rows;
-    count_uses(&l);
-    find_parts(&l);
-    find_leaks(&l);
-    if (find_rows(&l) > 0 && (status = put_rows(&l, &T)) == NS_OK) {
+    put_sums(outer, &e, &of_sums);
+    put_sums(inner, &e, &of_sums);
+    for (int i = 0; i < outer->n; i++)
+        for (int k = Tt->start[i]; k < Tt->start[i + 1] && !is_sum(outer, i) && !is_sum(inner, i); k++)
+            ns_linalg_entries_add(&e, Tt->row[k], i, Tt->value[k]);
+    int status = ns_linalg_csc_of_entries(outer->n, outer->n, &e, &T);
+    if (status == NS_OK)
+        status = ns_linalg_csc_of_entries(outer->n, outer->n, &of_sums, sums);
+    ns_linalg_entries_free(&e);
+    ns_linalg_entries_free(&of_sums);
+    if (status == NS_OK) {
         ns_linalg_csc_free(Tt);
         *Tt = T;
     }
-    free(l.part);
+    return status;
+}
+
+/* ints: 3n+3; numbers: n+1 */
+static int begin(leaky *l, int *ints, double *numbers) {
+    l->part = ints;
+    l->size = ints + l->n + 1;
+    l->sum = l->size + l->n + 1;
+    l->leads = numbers;
+    find_parts(l);
+    return find_rows(l);
+}
+
+/* NOLINTNEXTLINE(readability-non-const-parameter): written through l */
+int ns_sparse_sum_leaky_parts(const ns_system *s, const ns_large *a, const unsigned char *algebraic,
+                              ns_csc *Tt, ns_csc *sums) {
+    const size_t rows = (size_t)Tt->columns + 1;
+    leaky outer = {.a = a,
+                   .balance = s->balance,
+                   .algebraic = algebraic,
+                   .ground = s->ground,
+                   .Tt = Tt,
+                   .n = Tt->columns};
+    int *ints = calloc(7 * rows, sizeof *ints), status = NS_E_MEMORY;
+    double *numbers = calloc(2 * rows, sizeof *numbers);
+    if (ints && numbers) {
+        outer.uses = ints + 6 * rows;
+        count_uses(&outer);
+        leaky inner = outer;
+        inner.outer = &outer;
+        int count = begin(&outer, ints, numbers);
+        count += begin(&inner, ints + 3 * rows, numbers + rows);
+        status = count > 0 ? make_sums(&outer, &inner, Tt, sums) : NS_OK;
+    }
+    free(ints);
+    free(numbers);
     return status;
 }

@@ -193,6 +193,7 @@ static int is_rounding(ns_low_rank *u, const changed_rows *k, int j, const doubl
     memset(rest, 0, sizeof(double) * (size_t)f->size);
     rest[f->n + j] = 1;
     ns_sparse_form_subtract(f, k->g, k->base, v, rest);
+    ns_sparse_form_move_known(f, k->base, rest);
     ns_linalg_klu_solve(k->klu, k->factors, rest);
     return !(fabs(law(f, k->mode[j], j, rest)) <= most_change * is);
 }
@@ -342,14 +343,15 @@ static int check_all(int size, int count, const double *const *column, const dou
     return check_from(0, size, count, column, mu, v, seen);
 }
 
-int ns_sparse_update_solve(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, const double *r, double *v,
-                           double *seen) {
+int ns_sparse_update_solve(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, const ns_mode *base,
+                           const double *r, double *v, double *seen) {
     const ns_form *f = u->f;
     const double *column[MOST + 3];
     double mu[MOST + 3];
     memcpy(v, r, sizeof(double) * (size_t)f->size);
     for (int i = 0; i < u->count; i++)
         v[f->n + u->pair[i]] = 0;
+    ns_sparse_form_move_known(f, base, v);
     ns_linalg_klu_solve(klu, factors, v);
     solve_small(u, r, v, mu);
     list_columns(u, column, mu);

@@ -43,7 +43,7 @@ int ns_sparse_update_to(ns_low_rank *u, ns_klu *klu, ns_factors *factors, double
 
 /* v = K^-1 r in the mode it serves.  seen (size), or NULL: how large unknowns were of late; then 0 is
  * returned if terms far larger than that cancel. */
-int ns_sparse_update_solve(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, const double *r, double *v,
-                           double *seen);
+int ns_sparse_update_solve(const ns_low_rank *u, ns_klu *klu, ns_factors *factors, const ns_mode *base,
+                           const double *r, double *v, double *seen);
 
 #endif

@@ -51,13 +51,16 @@ static double terms_around(const ns_form *f, double g, const ns_mode *mode, int 
     return most;
 }
 
-double ns_sparse_leaks_left(const ns_form *f, double g, const ns_mode *mode, const double *scale,
-                            const double *r, const double *v, const double *seen, double *rest) {
+/* known: lambdas of open pairs were moved to r. */
+static double left_of(const ns_form *f, double g, const ns_mode *mode, const double *scale, const double *r,
+                      const double *v, const double *seen, int known, double *rest) {
     double worst = 0, most = 0;
     for (int i = 0; scale && i < f->size; i++)
         most = fmax(most, scale[i] * (fabs(r[i]) + terms_of(f, g, mode, i, v)));
     memcpy(rest, r, sizeof(double) * (size_t)f->size);
     ns_sparse_form_subtract(f, g, mode, v, rest);
+    if (known)
+        ns_sparse_form_leave_known(f, mode, v, rest);
     for (int i = 0; i < f->size; i++) {
         const int j = i - f->n;
         if (fabs(rest[i]) < nothing)
@@ -70,6 +73,16 @@ double ns_sparse_leaks_left(const ns_form *f, double g, const ns_mode *mode, con
         worst = fabs(rest[i]) <= worst * terms ? worst : fabs(rest[i]) / terms; /* NaN stays */
     }
     return worst;
+}
+
+double ns_sparse_leaks_left(const ns_form *f, double g, const ns_mode *mode, const double *scale,
+                            const double *r, const double *v, const double *seen, double *rest) {
+    return left_of(f, g, mode, scale, r, v, seen, 0, rest);
+}
+
+/* The same of right-hand sides of rounds, to which lambdas of open pairs were moved. */
+static double leaves(const ns_sparse_leaks *k, const double *r, const double *v, double *rest) {
+    return left_of(k->f, k->g, k->mode, k->scale, r, v, NULL, 1, rest);
 }
 
 /* --- rounds --- */
@@ -130,6 +143,7 @@ static void krylov_cycle(const ns_sparse_leaks *k, const ns_null_space *z, const
         double *q = Q + (size_t)count * (size_t)size, *next = q + size, *h = H[count];
         memset(next, 0, sizeof(double) * (size_t)size);
         ns_sparse_form_subtract(k->f, k->g, k->mode, q, next);
+        ns_sparse_form_leave_known(k->f, k->mode, q, next);
         for (int i = 0; i < size; i++)
             next[i] = -next[i];
         if (z)
@@ -206,7 +220,7 @@ static double go_rounds(const ns_sparse_leaks *k, const ns_null_space *z, const 
         ns_linalg_klu_solve(k->klu, k->factors, rest);
         for (int i = 0; i < k->f->size; i++)
             v[i] += rest[i];
-        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, right, v, NULL, rest);
+        left = leaves(k, right, v, rest);
     }
     return left;
 }
@@ -220,7 +234,7 @@ static double go_on(const ns_sparse_leaks *k, const ns_null_space *z, const doub
         if (z)
             ns_sparse_null_make_solvable(k, z, rest);
         krylov_cycle(k, z, rest, v, Q);
-        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, right, v, NULL, rest);
+        left = leaves(k, right, v, rest);
     }
     return left;
 }
@@ -246,7 +260,7 @@ static void set_undetermined(const ns_sparse_leaks *k, ns_null_known *null, cons
     memcpy(kept, v, bytes);
     for (int round = 0; round < ROUNDS; round++) {
         ns_sparse_null_settle(k, z, v);
-        const double now = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+        const double now = leaves(k, r, v, rest);
         const double all = largest(k, rest);
         if ((now <= fmax(holds, left) && all <= most) || (now <= may_hold && all <= enough))
             return;
@@ -310,7 +324,7 @@ static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int resid
     double left = go_on(k, NULL, r, before, v, rest, Q);
     if (!(left <= before)) { /* cycles took it farther off */
         memcpy(v, first, sizeof(double) * (size_t)k->f->size);
-        left = ns_sparse_leaks_left(k->f, k->g, k->mode, k->scale, r, v, NULL, rest);
+        left = leaves(k, r, v, rest);
     }
     if (left <= may_hold && !contradicts(k, r, first, v, rest) && !grew_in_vain(k, null, r, first, v, rest)) {
         if (left != before)
@@ -323,12 +337,18 @@ static int solve_rounds(const ns_sparse_leaks *k, ns_null_known *null, int resid
 
 int ns_sparse_leaks_solve(const ns_sparse_leaks *k, ns_null_known *null, int residual, const double *r,
                           double *v, double *rest) {
-    double *Q = calloc((KRYLOV + 2) * (size_t)k->f->size + 1, sizeof(double));
-    const int status = Q ? solve_rounds(k, null, residual, r, v, rest, Q) : NS_E_MEMORY;
-    free(Q);
+    const size_t size = (size_t)k->f->size;
+    double *Q = calloc((KRYLOV + 3) * size + 1, sizeof(double));
+    if (!Q)
+        return NS_E_MEMORY;
+    double *right = Q + (KRYLOV + 2) * size;
+    memcpy(right, r, sizeof(double) * size);
+    ns_sparse_form_move_known(k->f, k->mode, right);
+    const int status = solve_rounds(k, null, residual, right, v, rest, Q);
     if (status == NS_E_SINGULAR) {
-        memcpy(v, r, sizeof(double) * (size_t)k->f->size);
+        memcpy(v, right, sizeof(double) * size);
         ns_linalg_klu_solve(k->klu, k->factors, v);
     }
+    free(Q);
     return status;
 }
