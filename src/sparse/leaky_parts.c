@@ -17,6 +17,7 @@
  */
 #include "assemble.h"
 
+#include "linalg/sparse_lu.h"
 #include "system/union_find.h"
 
 #include <float.h>
@@ -25,6 +26,9 @@
 
 /* S: smaller conductances are leaks; devices that leak less are, where no more than that holds a part. */
 static const double leak = 1e-3, tiny_leak = 1e-6, rounding = 8 * DBL_EPSILON;
+/* Multiples are integers; one below this is none.  So many parts are searched a place for. */
+static const double least_multiple = 0.5;
+enum { MOST_SEARCHES = 64 };
 
 typedef struct leaky {
     const ns_large *a;
@@ -184,14 +188,19 @@ static int is_summed(const leaky *l, int p, int outer_sum) {
            (!l->outer || (l->leads[p] < tiny_leak && (outer_sum < 0 || l->part[outer_sum] != p)));
 }
 
+/* The row of the sum of the outer part of node i; -1: there is none. */
+static int outer_sum_of(const leaky *l, int i) {
+    return l->outer ? l->outer->sum[l->outer->part[i]] : -1;
+}
+
 /* Of each part that is not joined to ground the algebraic row that fits best. */
 static int find_rows(const leaky *l) {
     int count = 0;
     for (int i = 0; i <= l->n; i++)
         l->sum[i] = -1;
     for (int i = 0; i < l->n; i++) {
-        const int p = l->part[i], outer_sum = l->outer ? l->outer->sum[l->outer->part[i]] : -1;
-        if (!l->balance[i] || !l->algebraic[i] || !is_summed(l, p, outer_sum) || !is_alone(l, i))
+        const int p = l->part[i];
+        if (!l->balance[i] || !l->algebraic[i] || !is_summed(l, p, outer_sum_of(l, i)) || !is_alone(l, i))
             continue;
         count += l->sum[p] < 0;
         if (l->sum[p] < 0 || fitness(l, i, p) > fitness(l, l->sum[p], p))
@@ -200,12 +209,34 @@ static int find_rows(const leaky *l) {
     return count;
 }
 
-/* Puts to e the rows of T that are sums of parts, and their rows of A. */
-static void put_sums(const leaky *l, ns_entries *T, ns_entries *sums) {
-    const ns_csc *A = &l->a->A;
+/* Puts to T the rows of it that are sums of parts. */
+static void put_sums(const leaky *l, ns_entries *T) {
     for (int i = 0; i < l->n; i++)
         if (l->balance[i] && l->sum[l->part[i]] >= 0)
             ns_linalg_entries_add(T, i, l->sum[l->part[i]], 1);
+}
+
+static int is_sum(const leaky *l, int i) {
+    return l->balance[i] && l->sum[l->part[i]] == i;
+}
+
+/* T with the sums of both that have a place so far. */
+static int make_T(const leaky *outer, const leaky *inner, ns_csc *T) {
+    const ns_csc *Tt = outer->Tt;
+    ns_entries e = {0};
+    put_sums(outer, &e);
+    put_sums(inner, &e);
+    for (int i = 0; i < outer->n; i++)
+        for (int k = Tt->start[i]; k < Tt->start[i + 1] && !is_sum(outer, i) && !is_sum(inner, i); k++)
+            ns_linalg_entries_add(&e, Tt->row[k], i, Tt->value[k]);
+    const int status = ns_linalg_csc_of_entries(outer->n, outer->n, &e, T);
+    ns_linalg_entries_free(&e);
+    return status;
+}
+
+/* Puts their rows of A. */
+static void put_currents(const leaky *l, ns_entries *sums) {
+    const ns_csc *A = &l->a->A;
     for (int j = 0; j < l->n; j++)
         for (int k = A->start[j]; k < A->start[j + 1]; k++) {
             const int p = l->part[A->row[k]];
@@ -218,28 +249,67 @@ static void put_sums(const leaky *l, ns_entries *T, ns_entries *sums) {
         }
 }
 
-static int is_sum(const leaky *l, int i) {
-    return l->balance[i] && l->sum[l->part[i]] == i;
+/* c (n): the sum of part p as a sum of rows of T, so many times each. */
+static int find_multiples(const leaky *outer, const leaky *inner, const leaky *l, int p, double *c) {
+    ns_csc T = {0};
+    ns_klu *k = NULL;
+    ns_factors *f = NULL;
+    int status = make_T(outer, inner, &T);
+    if (status == NS_OK)
+        status = ns_linalg_klu_create(l->n, T.start, T.row, &k);
+    if (status == NS_OK)
+        status = ns_linalg_klu_factor(k, T.value, &f);
+    for (int i = 0; i < l->n; i++)
+        c[i] = l->balance[i] && l->part[i] == p;
+    if (status == NS_OK)
+        ns_linalg_klu_solve(k, f, c);
+    ns_linalg_factors_free(k, f);
+    ns_linalg_klu_free(k);
+    ns_linalg_csc_free(&T);
+    return status;
+}
+
+/* The row of T, -1: none, that fits best of those that are in the sum of part p as often as c says: T stays
+ * regular if the sum takes its place. */
+static int best_row(const leaky *outer, const leaky *inner, const leaky *l, int p, const double *c) {
+    int best = -1;
+    for (int i = 0; i < l->n; i++)
+        if (l->part[i] == p && l->balance[i] && l->algebraic[i] && fabs(c[i]) > least_multiple &&
+            !is_sum(outer, i) && !is_sum(inner, i) && (best < 0 || fitness(l, i, p) > fitness(l, best, p)))
+            best = i;
+    return best;
+}
+
+/* A place for the sums of parts that have none.  c: n. */
+static int find_other_rows(const leaky *outer, const leaky *inner, const leaky *l, double *c, int *count) {
+    for (int p = 0, searches = 0; p < l->n && searches < MOST_SEARCHES; p++) {
+        if (l->sum[p] >= 0 || !is_summed(l, p, outer_sum_of(l, p)))
+            continue;
+        searches++;
+        const int status = find_multiples(outer, inner, l, p, c);
+        if (status != NS_OK && status != NS_E_SINGULAR)
+            return status;
+        l->sum[p] = status == NS_OK ? best_row(outer, inner, l, p, c) : -1;
+        *count += l->sum[p] >= 0;
+    }
+    return NS_OK;
 }
 
 /* Tt becomes T with the sums of both. */
 static int make_sums(const leaky *outer, const leaky *inner, ns_csc *Tt, ns_csc *sums) {
-    ns_entries e = {0}, of_sums = {0};
+    ns_entries of_sums = {0};
     ns_csc T = {0};
-    put_sums(outer, &e, &of_sums);
-    put_sums(inner, &e, &of_sums);
-    for (int i = 0; i < outer->n; i++)
-        for (int k = Tt->start[i]; k < Tt->start[i + 1] && !is_sum(outer, i) && !is_sum(inner, i); k++)
-            ns_linalg_entries_add(&e, Tt->row[k], i, Tt->value[k]);
-    int status = ns_linalg_csc_of_entries(outer->n, outer->n, &e, &T);
+    int status = make_T(outer, inner, &T);
+    put_currents(outer, &of_sums);
+    put_currents(inner, &of_sums);
     if (status == NS_OK)
         status = ns_linalg_csc_of_entries(outer->n, outer->n, &of_sums, sums);
-    ns_linalg_entries_free(&e);
     ns_linalg_entries_free(&of_sums);
     if (status == NS_OK) {
         ns_linalg_csc_free(Tt);
         *Tt = T;
-    }
+    } else
+        ns_linalg_csc_free(&T);
     return status;
 }
 
@@ -264,7 +334,7 @@ int ns_sparse_sum_leaky_parts(const ns_system *s, const ns_large *a, const unsig
                    .Tt = Tt,
                    .n = Tt->columns};
     int *ints = calloc(7 * rows, sizeof *ints), status = NS_E_MEMORY;
-    double *numbers = calloc(2 * rows, sizeof *numbers);
+    double *numbers = calloc(3 * rows, sizeof *numbers);
     if (ints && numbers) {
         outer.uses = ints + 6 * rows;
         count_uses(&outer);
@@ -272,7 +342,11 @@ int ns_sparse_sum_leaky_parts(const ns_system *s, const ns_large *a, const unsig
         inner.outer = &outer;
         int count = begin(&outer, ints, numbers);
         count += begin(&inner, ints + 3 * rows, numbers + rows);
-        status = count > 0 ? make_sums(&outer, &inner, Tt, sums) : NS_OK;
+        status = find_other_rows(&outer, &inner, &outer, numbers + 2 * rows, &count);
+        if (status == NS_OK)
+            status = find_other_rows(&outer, &inner, &inner, numbers + 2 * rows, &count);
+        if (status == NS_OK && count > 0)
+            status = make_sums(&outer, &inner, Tt, sums);
     }
     free(ints);
     free(numbers);
