@@ -24,8 +24,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* S: smaller conductances are leaks; devices that leak less are, where no more than that holds a part. */
-static const double leak = 1e-3, tiny_leak = 1e-6, rounding = 8 * DBL_EPSILON;
+/* S: smaller conductances are leaks.  Those of devices are followed where they are smaller than this:
+ * rounding of larger ones is below 1e-4 of the voltages, and with their sums some runs took Euler steps, or
+ * were refused. */
+static const double leak = 1e-3, tiny_leak = 2e-10, rounding = 8 * DBL_EPSILON;
 /* Multiples are integers; one below this is none.  So many parts are searched a place for. */
 static const double least_multiple = 0.5;
 enum { MOST_SEARCHES = 64 };
