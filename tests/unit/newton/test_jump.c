@@ -11,29 +11,9 @@
 
 #include "callbacks.h"
 #include "linalg/dense.h"
+#include "newton_bench.h"
 #include "nonsmooth/impulse.h"
 #include "systems.h"
-
-static ns_newton *start_at(const ns_model *model, double t0, const double *x0) {
-    const ns_newton_options o = {.theta = 0.5, .gamma = 0.5};
-    ns_newton *s;
-    assert_int_equal(ns_newton_create(model, &o, &s, NULL), NS_OK);
-    assert_int_equal(ns_newton_start(s, t0, x0, NULL), NS_OK);
-    return s;
-}
-
-static ns_newton *start(const ns_model *model, const double *x0) {
-    return start_at(model, 0, x0);
-}
-
-static void jump(ns_newton *s, double *x, double *lambda, double *y) {
-    double t0, t;
-    assert_int_equal(ns_newton_read(s, &t0, NULL, NULL, NULL, NULL), NS_OK);
-    assert_int_equal(ns_newton_jump(s), NS_OK);
-    assert_int_equal(ns_newton_accept(s), NS_OK);
-    assert_int_equal(ns_newton_read(s, &t, x, lambda, y, NULL), NS_OK);
-    assert_true(t == t0);
-}
 
 /* Two capacitors with a leak each, a diode from the first to the second:
  *   C1 v1' = -v1/R - lambda,   C2 v2' = -v2/R + lambda,   y = v2 - v1
@@ -238,64 +218,6 @@ static void a_slope_late(void **state) {
     ns_system_free(s);
 }
 
-/* Nonlinear: a box lambda in [-1,1] with r = lambda^3 + 2 lambda pushes v off y = v - 1 no further than it
- * can: an impulse needs lambda without bound, so v stays; with l = -inf it goes. */
-static int cubic_g(const ns_point *at, void *data, double *out) {
-    (void)data;
-    out[0] = 2 * at->lambda[0] + at->x[0] * at->lambda[0];
-    return 0;
-}
-
-static int cubic_B(const ns_point *at, void *data, double *out) {
-    (void)data;
-    out[0] = 2 + at->x[0];
-    return 0;
-}
-
-static int cubic_K(const ns_point *at, void *data, double *out) {
-    (void)data;
-    out[0] = at->lambda[0];
-    return 0;
-}
-
-static int square_h(const ns_point *at, void *data, double *out) {
-    (void)data;
-    out[0] = at->x[0] * at->x[0] - 1;
-    return 0;
-}
-
-static int square_C(const ns_point *at, void *data, double *out) {
-    (void)data;
-    out[0] = 2 * at->x[0];
-    return 0;
-}
-
-static void nonlinear_relations_jump(void **state) {
-    (void)state;
-    static const double one[1] = {1};
-    const double low[2] = {-1, -INFINITY}, high[2] = {1, INFINITY}, end[2] = {3, 1}, x0 = 3;
-    for (int k = 0; k < 2; k++) {
-        double x, lambda, y;
-        const ns_model model = {.n = 1,
-                                .m = 1,
-                                .M = one,
-                                .l = &low[k],
-                                .u = &high[k],
-                                .f = give_0,
-                                .A = give_0,
-                                .g = cubic_g,
-                                .B = cubic_B,
-                                .K = cubic_K,
-                                .h = square_h,
-                                .C = square_C};
-        ns_newton *t = start(&model, &x0);
-        jump(t, &x, &lambda, &y);
-        assert_true(fabs(x - end[k]) < 1e-11);
-        assert_true(k ? fabs(lambda) < 1e-6 && y == 0 : lambda == -1 && fabs(y - 8) < 1e-6);
-        ns_newton_free(t);
-    }
-}
-
 /* Random capacitive networks with diodes: the impulse problem of ns_theta_impulse(). */
 static unsigned seed;
 static double random_unit(void) {
@@ -432,7 +354,6 @@ int main(void) {
         cmocka_unit_test(a_diode_that_may_or_may_not),
         cmocka_unit_test(a_slope_late),
         cmocka_unit_test(inputs_that_jump_keep_the_order),
-        cmocka_unit_test(nonlinear_relations_jump),
         cmocka_unit_test(the_linear_impulse_agrees),
         cmocka_unit_test(a_jump_that_fails_leaves_the_past),
     };
