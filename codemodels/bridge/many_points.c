@@ -9,7 +9,7 @@
 
 #include "report.h"
 
-static const double too_many = 3e6;
+static const double too_many = 1e6;
 
 enum {
     FIRST_LOOK = 50000,   /* points; a judgement from twice as many on */
