@@ -80,6 +80,8 @@ void ns_march_run_choose(ns_run *r, ns_until until) {
 void ns_march_run_was_wrong(ns_run *r, double t, ns_run_kind was, double stay) {
     if (!r->choice.asks) {
         ns_march_run_leave_for_now(r, t, was, stay);
+        if (r->kind == NS_RUN_DENSE && r->chooses) /* farther on the other one is as good as it was */
+            ns_march_dense_let_hand_over(r->at_work, NS_HANDS_OVER_OFTEN);
         return;
     }
     ns_march_choice_failed(&r->choice, t, ns_march_run_work(r));
@@ -95,6 +97,7 @@ static int fail_and_change(ns_run *r, ns_until until, double *reached) {
     double now, begun;
     if (ns_engine_read(r->at_work, &now, NULL, NULL, NULL) != NS_OK || change(r) != NS_OK)
         return 0;
+    r->back_at = r->kind == r->back_to ? INFINITY : r->back_at;
     if (r->chooses && is_over && r->choice.asks)
         ns_march_choice_changed(&r->choice, now, ns_march_run_work(r));
     else if (r->chooses)
