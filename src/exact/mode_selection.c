@@ -61,19 +61,33 @@ static void want_commands(ns_exact *f) {
     }
 }
 
-/* The mode in f->wanted, if it holds.  *goes_on: 1: for its jump only, another mode follows at once. */
-static int try_wanted(ns_exact *f, ns_evidence evidence, int *goes_on) {
+/* 1 if each guard that is undecided after the jump is that of a pair which carried an impulse: so it was
+ * closed in that instant, and what is left of it is zero. */
+static int impulses_decide(const ns_exact *f) {
+    int all = f->entered != NULL && f->overruled == 0 && f->entered->pair_rows <= 64;
+    for (int g = 0; all && g < f->entered->pair_rows; g++)
+        all = !(f->undecided & ns_exact_bit_of(g)) || ns_exact_enter_carries(f, f->entered, g);
+    return all;
+}
+
+/* The mode in f->wanted, if it holds; by_impulses: if those of its jump decide what is undecided.  *goes_on:
+ * 1: for its jump only, another mode follows at once. */
+static int try_mode(ns_exact *f, ns_evidence evidence, int by_impulses, int *goes_on) {
     ns_exact_mode *k;
     ns_modes_shared_rest(f->s->shared, f->s->shared_count, f->wanted);
     const int status = ns_exact_mode_find(f, f->wanted, &k);
     if (status != NS_OK)
         return status == NS_E_MEMORY ? status : NS_GUARD;
     const ns_mode_verdict verdict = ns_exact_mode_holds(f, k, evidence, 0);
-    if (verdict == NS_VERDICT_NO)
+    if (verdict == NS_VERDICT_NO || (by_impulses && verdict == NS_VERDICT_HOLDS && !impulses_decide(f)))
         return NS_GUARD;
     commit_mode(f, k);
     *goes_on = verdict == NS_VERDICT_JUMPS;
     return NS_OK;
+}
+
+static int try_wanted(ns_exact *f, ns_evidence evidence, int *goes_on) {
+    return try_mode(f, evidence, 0, goes_on);
 }
 
 static int try_successors(ns_exact *f) {
@@ -135,12 +149,28 @@ static int flip_violated(ns_exact *f) {
     return any && memcmp(f->wanted, k->mode, (size_t)f->system->m) != 0;
 }
 
-/* The mode in f->wanted, or with violated pairs flipped: (P1) over a short step may have several answers. */
-static int try_with_violated_flipped(ns_exact *f, ns_evidence evidence, int *goes_on) {
+/* The instant is known to no more than what counts as one, but no longer than is short beside all that the
+ * mode in f->wanted resolves. */
+static void know_to_an_instant(ns_exact *f, double known_to) {
+    ns_exact_mode *k;
+    ns_modes_shared_rest(f->s->shared, f->s->shared_count, f->wanted);
+    const double brief =
+        ns_exact_mode_find(f, f->wanted, &k) == NS_OK ? k->scale[0].kernel->g / 1024 : known_to;
+    f->state.event_time_error = fmax(known_to, fmin(ldexp(f->h, -NS_EVENT_EXPONENT), brief));
+}
+
+/* The mode in f->wanted, or with violated pairs flipped: (P1) over a short step may have several answers.
+ * known_to: NULL, or the event is known to that, and what crosses zero within an instant does so together. */
+static int try_with_violated_flipped(ns_exact *f, ns_evidence evidence, const double *known_to,
+                                     int *goes_on) {
     enum { MAX_ROUNDS = 4 };
-    int status = try_wanted(f, evidence, goes_on);
-    for (int round = 0; round < MAX_ROUNDS && status == NS_GUARD && flip_violated(f); round++)
+    int status = NS_GUARD, more = 1;
+    for (int round = 0; round <= MAX_ROUNDS && status == NS_GUARD && more; round++) {
+        if (known_to)
+            know_to_an_instant(f, *known_to);
         status = try_wanted(f, evidence, goes_on);
+        more = status == NS_GUARD && flip_violated(f);
+    }
     return status;
 }
 
@@ -153,7 +183,7 @@ static int solve_lcp_proposal(ns_exact *f, int *goes_on) {
     const int status = ns_theta_lcp_propose(f->s, ldexp(f->h, -NS_EVENT_EXPONENT), 0, f->X, f->work.z_after,
                                             f->work.slope_after, f->wanted);
     if (status == NS_OK)
-        return try_with_violated_flipped(f, NS_EVIDENCE_STEP, goes_on);
+        return try_with_violated_flipped(f, NS_EVIDENCE_STEP, NULL, goes_on);
     return status == NS_E_MEMORY || (status == NS_E_SINGULAR && !f->state.mode) ? status : NS_GUARD;
 }
 
@@ -196,58 +226,25 @@ static void forget_jumps(const ns_exact *f) {
         ns_instant_clear(f->point->instant);
 }
 
-/* The instant is known to no more than what counts as one, but no longer than is short beside all that the
- * mode in f->wanted resolves. */
-static void know_to_an_instant(ns_exact *f, double known_to) {
-    ns_exact_mode *k;
-    ns_modes_shared_rest(f->s->shared, f->s->shared_count, f->wanted);
-    const double brief =
-        ns_exact_mode_find(f, f->wanted, &k) == NS_OK ? k->scale[0].kernel->g / 1024 : known_to;
-    f->state.event_time_error = fmax(known_to, fmin(ldexp(f->h, -NS_EVENT_EXPONENT), brief));
-}
-
 /* Guards that cross zero within an instant do so together, as those of two devices do that one current takes
  * along, in whichever order; or as that of a pair does whose leak ends with a command. */
 static int try_together(ns_exact *f, int broken, int *goes_on) {
-    enum { MAX_ROUNDS = 4 };
     const double known_to = f->state.event_time_error;
     int status = NS_GUARD;
     want_commands(f);
     know_to_an_instant(f, known_to);
-    int more = flip_broken(f, broken) || broken < 0;
-    for (int round = 0; round <= MAX_ROUNDS && status == NS_GUARD && more; round++) {
-        know_to_an_instant(f, known_to);
-        status = try_wanted(f, NS_EVIDENCE_NONE, goes_on);
-        more = status == NS_GUARD && flip_violated(f);
-    }
+    if (flip_broken(f, broken) || broken < 0)
+        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, &known_to, goes_on);
     if (status != NS_OK)
         f->state.event_time_error = known_to;
     return status;
 }
 
-/* 1 if each guard that is undecided after the jump is that of a pair which carried an impulse: so it was
- * closed in that instant, and what is left of it is zero. */
-static int impulses_decide(const ns_exact *f) {
-    int all = f->entered != NULL && f->overruled == 0 && f->entered->pair_rows <= 64;
-    for (int g = 0; all && g < f->entered->pair_rows; g++)
-        all = !(f->undecided & ns_exact_bit_of(g)) || ns_exact_enter_carries(f, f->entered, g);
-    return all;
-}
-
 /* The present mode with the commands changed, where its pairs carry the impulses of a jump; for that only
  * where a guard breaks afterwards which one of them lifted. */
 static int try_with_impulses(ns_exact *f, int *goes_on) {
-    ns_exact_mode *k;
     want_commands(f);
-    const int status = ns_exact_mode_find(f, f->wanted, &k);
-    if (status != NS_OK)
-        return status == NS_E_MEMORY ? status : NS_GUARD;
-    const ns_mode_verdict verdict = ns_exact_mode_holds(f, k, NS_EVIDENCE_STEP, 0);
-    if (verdict == NS_VERDICT_NO || (verdict == NS_VERDICT_HOLDS && !impulses_decide(f)))
-        return NS_GUARD;
-    commit_mode(f, k);
-    *goes_on = verdict == NS_VERDICT_JUMPS;
-    return NS_OK;
+    return try_mode(f, NS_EVIDENCE_STEP, 1, goes_on);
 }
 
 int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
@@ -257,7 +254,7 @@ int ns_exact_mode_after(ns_exact *f, int by_guard, int broken, int *goes_on) {
     if (status == NS_GUARD && !by_guard) /* inputs and commands changed, maybe nothing else */
         status = try_wanted(f, NS_EVIDENCE_NONE, goes_on);
     if (status == NS_GUARD && (flip_broken(f, broken) || !by_guard))
-        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, goes_on);
+        status = try_with_violated_flipped(f, NS_EVIDENCE_NONE, NULL, goes_on);
     if (status == NS_GUARD && broken >= 0)
         status = try_together(f, broken, goes_on);
     if (status == NS_GUARD && !by_guard)
