@@ -255,8 +255,7 @@ static int advance_to(ns_exact *f, double t, int may_pause, int *guard) {
         if (recorded)
             ns_exact_period_record(f, &step);
     }
-    *guard = step.guard;
-    f->broken.guard = *guard;
+    *guard = f->broken.guard = step.guard;
     f->broken.at_once = from.t == f->state.now.t && from.lost == f->state.now.lost;
     f->broken.t = f->state.now.t;
     f->broken.mode = *guard >= 0 ? f->state.mode : NULL;
