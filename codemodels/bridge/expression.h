@@ -31,6 +31,9 @@ typedef struct ns_expression_sigmoid {
 } ns_expression_sigmoid;
 int ns_bridge_expression_is_sigmoid(const struct INPparseNode *node, ns_expression_sigmoid *of);
 
+/* expression_steps.c: 1 if the function of this node takes a few values only: u, sgn, a comparison with 0. */
+int ns_bridge_expression_is_step(const struct INPparseNode *node);
+
 /* expression_sources.c: the V between this node and ground, if constant of DC alone; *sign: 1: its positive
  * end is the node, else -1.  NULL: there is none. */
 const GENinstance *ns_bridge_expression_holder(const ns_extract_walk *w, int node, int constant, int *sign);

@@ -70,6 +70,22 @@ static int find_levels(const ns_extract_walk *w, int node, two_levels *l) {
     return found;
 }
 
+int ns_bridge_expression_is_step(const INPparseNode *node) {
+    switch (node->funcnum) {
+    case PTF_USTEP:
+    case PTF_SGN:
+    case PTF_EQ0:
+    case PTF_NE0:
+    case PTF_GT0:
+    case PTF_LT0:
+    case PTF_GE0:
+    case PTF_LE0:
+        return 1;
+    default:
+        return 0;
+    }
+}
+
 /* 1 if all that may come out are numbers, which conditions choose. */
 static int is_choice(const INPparseNode *node, int depth) {
     if (!node || depth > 100)
@@ -84,19 +100,8 @@ static int is_choice(const INPparseNode *node, int depth) {
     case PT_TIMES:
         return is_choice(node->left, depth + 1) && is_choice(node->right, depth + 1);
     case PT_FUNCTION:
-        switch (node->funcnum) {
-        case PTF_USTEP:
-        case PTF_SGN:
-        case PTF_EQ0:
-        case PTF_NE0:
-        case PTF_GT0:
-        case PTF_LT0:
-        case PTF_GE0:
-        case PTF_LE0:
-            return 1;
-        default:
-            return node->funcnum == PTF_UMINUS && is_choice(node->left, depth + 1);
-        }
+        return ns_bridge_expression_is_step(node) ||
+               (node->funcnum == PTF_UMINUS && is_choice(node->left, depth + 1));
     default:
         return 0;
     }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "expression.h"
 #include "foreign.h"
 #include "ngspice/inpptree.h"
 #include "own_touch.h"
@@ -76,22 +77,6 @@ static ns_own_range product(const ns_own_range *a, const ns_own_range *b) {
 
 /* --- one signal in both operands: its range is not that of two signals --- */
 
-static int is_stepped(const INPparseNode *node) {
-    switch (node->funcnum) {
-    case PTF_USTEP:
-    case PTF_SGN:
-    case PTF_EQ0:
-    case PTF_NE0:
-    case PTF_GT0:
-    case PTF_LT0:
-    case PTF_GE0:
-    case PTF_LE0:
-        return 1;
-    default:
-        return 0;
-    }
-}
-
 /* Signals of an expression, as bits; also those that are only compared. */
 static unsigned long long signals_of(const INPparseNode *node, int compared, int depth) {
     if (!node || node->type == PT_CONSTANT)
@@ -100,7 +85,7 @@ static unsigned long long signals_of(const INPparseNode *node, int compared, int
         return ~0ULL;
     if (node->type == PT_VAR)
         return 1ULL << node->valueIndex;
-    if (node->type == PT_FUNCTION && is_stepped(node) && !compared)
+    if (node->type == PT_FUNCTION && ns_bridge_expression_is_step(node) && !compared)
         return 0;
     if (node->type == PT_TERN)
         return (compared ? signals_of(node->left, 1, depth + 1) : 0) |
@@ -216,7 +201,7 @@ static ns_own_range function(range_reader *r, const INPparseNode *node) {
     }
     if (node->funcnum == PTF_POW || node->funcnum == PTF_PWR)
         return any;
-    if (is_stepped(node))
+    if (ns_bridge_expression_is_step(node))
         return node->funcnum == PTF_SGN ? steps(-1.0, 1.0) : steps(0.0, 1.0);
     const ns_own_range a = plain_range_of(r, node->left), minus = negative(&a), none = between(0.0, 0.0),
                        one = between(1.0, 1.0), above = larger(&a, &none);
