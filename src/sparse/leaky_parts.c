@@ -28,7 +28,8 @@
  * rounding of larger ones is below 1e-4 of the voltages, and with their sums some runs took Euler steps, or
  * were refused. */
 static const double leak = 1e-3, tiny_leak = 2e-10, rounding = 8 * DBL_EPSILON;
-/* Multiples are integers; one below this is none.  So many parts are searched a place for. */
+/* A sum has each row of T an integer number of times; below this it does not have it.  A place is searched
+ * for so many sums at most. */
 static const double least_multiple = 0.5;
 enum { MOST_SEARCHES = 64 };
 
