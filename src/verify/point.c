@@ -7,9 +7,6 @@
 
 /* What rounding leaves of the terms of y. */
 static const double digits = 1e-13;
-/* A voltage is known to so many of eps of its terms, and so is the current that it drives through a
- * resistance. */
-static const double voltage_roundings = 8;
 /* An instant that is found is known to so many units of eps. */
 static const double instant_roundings = 4;
 
@@ -128,7 +125,6 @@ double ns_verify_law_error(double l, double u, double lambda, double y, double l
 /* A pair as it is, what it may be off by, and its control. */
 typedef struct pair_values {
     double lambda, y, lambda_off, y_off;
-    double y_size;   /* of the terms of y */
     double g, g_off; /* of a switch */
     int closed;      /* it is, it is not, -1: it is not known */
 } pair_values;
@@ -193,21 +189,6 @@ static double edge_of(const ns_verify *v, int c) {
     return sum * v->control.size[c];
 }
 
-/* The entry of row i in a column. */
-static double entry(const ns_verify_rows *r, int i, int column) {
-    double sum = 0;
-    for (int k = r->start[i]; k < r->start[i + 1]; k++)
-        sum += r->column[k] == column ? r->value[k] : 0;
-    return sum;
-}
-
-/* What rounding of the voltages makes of the current through the resistance of pair j: of 237 V 0.2 mA
- * through 0.4 nohm. */
-static double rounding_of_drop(const ns_verify *v, int j, double y_size) {
-    const double ohm = fabs(entry(&v->output, j, v->s->n + j));
-    return ohm > 0 ? voltage_roundings * DBL_EPSILON * y_size / ohm : 0;
-}
-
 /* Without hysteresis, by the state. */
 static int can_slide(const ns_verify *v, int c) {
     const ns_verify_rows *r = &v->control;
@@ -228,8 +209,7 @@ static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_f
     double error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
     if (error <= 1)
         return;
-    p->lambda_off +=
-        ns_verify_sizes_rounding_around(v, j) + steep_lambda(v, j) + rounding_of_drop(v, j, p->y_size);
+    p->lambda_off += ns_verify_sizes_rounding_around(v, j) + steep_lambda(v, j);
     if (c >= 0)
         p->g_off += edge_of(v, c);
     error = c < 0 ? law_error(v, j, p) : command_error(&v->s->command[c], p);
@@ -241,7 +221,7 @@ static void judge_closely(const ns_verify *v, int j, pair_values *p, ns_verify_f
 
 static void judge_pair(ns_verify *v, int j, const double *y_shown, ns_verify_finding *worst) {
     const ns_verify_sum y = ns_verify_row(&v->output, j, v->u);
-    pair_values p = {.lambda = v->u[v->s->n + j], .y = y.sum, .y_size = y.size};
+    pair_values p = {.lambda = v->u[v->s->n + j], .y = y.sum};
     ns_verify_grow(v, &v->most_lambda[j], fabs(p.lambda));
     ns_verify_grow(v, &v->most_y[j], y.size);
     ns_verify_grow(v, &v->most_any[NS_VERIFY_ANY_LAMBDA], fabs(p.lambda));
@@ -267,6 +247,14 @@ static int judge(ns_verify *v, const ns_verify_state *at, ns_verify_finding *wor
     for (int j = 0; j < v->s->m; j++)
         judge_pair(v, j, at->y, worst);
     return worst->cause == NS_VERIFY_RIGHT;
+}
+
+/* The entry of row i in a column. */
+static double entry(const ns_verify_rows *r, int i, int column) {
+    double sum = 0;
+    for (int k = r->start[i]; k < r->start[i + 1]; k++)
+        sum += r->column[k] == column ? r->value[k] : 0;
+    return sum;
 }
 
 double ns_verify_excusable(ns_verify *v, int pair, const ns_verify_state *at) {
