@@ -68,6 +68,14 @@ static inline double ns_sparse_form_y(const ns_form *f, int j, const double *v, 
     return y;
 }
 
+/* The resistance of pair j where it conducts: |D_jj|. */
+static inline double ns_sparse_form_resistance(const ns_form *f, int j) {
+    for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
+        if (f->Ct.row[k] == f->n + j)
+            return f->Ct.value[k] < 0 ? -f->Ct.value[k] : f->Ct.value[k];
+    return 0;
+}
+
 /* split_rows.c: the columns of Tt are rows of T (ns_system_split(), but in place: row i of T M is that row
  * of M, or zero, then algebraic[i]), from M; flow (n): the sizes of all other terms of a row.  Errors:
  * MEMORY. */

@@ -22,14 +22,6 @@ static double sign_of_lambda(const ns_form *f, int i, int j) {
     return 0;
 }
 
-/* D_jj is not zero. */
-static int has_resistance(const ns_form *f, int j) {
-    for (int k = f->Ct.start[j]; k < f->Ct.start[j + 1]; k++)
-        if (f->Ct.row[k] == f->n + j && f->Ct.value[k] != 0)
-            return 1;
-    return 0;
-}
-
 int ns_sparse_equivalent_create(const ns_form *f, const ns_shared_branch *shared, int count,
                                 ns_equivalents *s) {
     *s = (ns_equivalents){.m = f->m, .n = f->n};
@@ -42,7 +34,7 @@ int ns_sparse_equivalent_create(const ns_form *f, const ns_shared_branch *shared
     for (int i = 0; i < count; i++) {
         const int j = shared[i].pair, of = shared[i].of;
         const double y = sign_of_y(f, of, j), lambda = sign_of_lambda(f, of, j);
-        if (y != 0 && lambda != 0 && !has_resistance(f, j))
+        if (y != 0 && lambda != 0 && !(ns_sparse_form_resistance(f, j) > 0))
             s->all[s->count++] = (ns_equivalent){j, of, shared[i].idle, y, lambda};
     }
     return NS_OK;

@@ -105,20 +105,12 @@ static double find_fall(const ns_sparse *m, const ns_dense_step *step, const fou
     return from + (1 - from) * ns_modes_curve_below(&rest, tol);
 }
 
-/* The resistance of pair j where it conducts. */
-static double resistance_of(const ns_sparse *m, int j) {
-    const ns_csc *C = &m->f->Ct;
-    for (int k = C->start[j]; k < C->start[j + 1]; k++)
-        if (C->row[k] == m->f->n + j)
-            return fabs(C->value[k]);
-    return 0;
-}
-
 /* By how much pair j may be.  A voltage drives a current through the resistance of a pair that closes, which
  * may be off by no more than others: in a chain of pairs about to close those below zero by more would
  * gather, and open each other without end. */
 static double may_be_below(const ns_sparse *m, const ns_dense_step *step, int j) {
-    const double ron = m->mode[j] == NS_INSIDE ? 0 : resistance_of(m, j), size = size_of(m, step, j),
+    const double ron = m->mode[j] == NS_INSIDE ? 0 : ns_sparse_form_resistance(m->f, j),
+                 size = size_of(m, step, j),
                  all = below * (ron > 0 ? ns_lower(size, ron * m->largest.lambda) : size);
     return m->o.reltol *
            (m->mode[j] == NS_INSIDE
