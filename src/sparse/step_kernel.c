@@ -151,15 +151,20 @@ int ns_sparse_step_refine(ns_sparse *m, ns_dense_step *step) {
 int ns_sparse_step_residue(ns_sparse *m, const ns_dense_step *step, double *sum) {
     const size_t n = (size_t)m->f->n, size = (size_t)m->f->size;
     const ns_cached_factors *k;
-    int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
-    for (int i = 0; i < step->stages && status == NS_OK; i++) {
+    double *left = m->work.residual;
+    memset(left, 0, sizeof *left * size);
+    for (int i = 0; i < step->stages; i++) {
         const int any = ns_inputs_stages_stage(m->in, step->t, step->g, i, m->z);
         ns_sparse_step_rhs(m, step->g, step->powers + (size_t)i * n, m->z, any, i == 0);
         ns_sparse_form_subtract(m->f, step->g, m->mode, step->images + (size_t)i * size, m->r);
-        status = ns_sparse_factors_correct(m->q, k, m->r, m->v);
         for (size_t j = 0; j < size; j++)
-            sum[j] += i % 2 ? -m->v[j] : m->v[j];
+            left[j] += i % 2 ? -m->r[j] : m->r[j];
     }
+    int status = ns_sparse_factors_factor(m->q, step->g, m->mode, 0, &k);
+    if (status == NS_OK)
+        status = ns_sparse_factors_correct(m->q, k, left, m->v);
+    for (size_t j = 0; j < size && (status == NS_OK || status == NS_E_SINGULAR); j++)
+        sum[j] += m->v[j];
     return status == NS_E_SINGULAR ? NS_OK : status;
 }
 
