@@ -37,6 +37,7 @@ static void place_numbers(ns_sparse *m, double *left) {
     m->before_event.w = next_array(&left, n);
     m->largest.w = next_array(&left, n);
     m->saved_largest.w = next_array(&left, n);
+    m->tried_largest.w = next_array(&left, n);
     m->inverse_scale = next_array(&left, n);
     m->work.w = next_array(&left, n);
     m->work.move = next_array(&left, n);
@@ -82,7 +83,7 @@ static void place_modes(ns_sparse *m) {
 static int allocate_state(ns_sparse *m) {
     const size_t n = (size_t)m->f->n, pairs = (size_t)m->f->m, size = (size_t)m->f->size,
                  nz = (size_t)m->f->nz;
-    double *numbers = calloc(14 * n + 3 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
+    double *numbers = calloc(15 * n + 3 * pairs + 8 * size + 3 * nz + 1, sizeof(double));
     m->w = numbers;
     m->mode = calloc(12 * pairs + 3 * (size_t)m->s->nc + 1, 1);
     m->chatter.flips = calloc(2 * pairs + 1, sizeof *m->chatter.flips);

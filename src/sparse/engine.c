@@ -91,7 +91,9 @@ static int step_after_event(ns_sparse *m, double t, const ns_dense_step *from, n
         ns_sparse_instant_restore(m);
         ns_sparse_guard_set_mode(m, m->commanded_mode);
     }
-    return status == NS_OK ? ns_sparse_next_step(m, t, from, to) : status;
+    if (status != NS_OK || ns_sparse_predict_take(m, t, to))
+        return status;
+    return ns_sparse_next_step(m, t, from, to);
 }
 
 /* The same; where events crowd, the transient that makes them is passed. */

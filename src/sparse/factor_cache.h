@@ -21,7 +21,7 @@ typedef struct ns_cached_factors {
     long used;           /* of working factors: when, on the clock */
 } ns_cached_factors;
 
-enum { NS_SEEN = 4096, NS_WORKING = 3 };
+enum { NS_SEEN = 4096, NS_WORKING = 6 };
 
 /* Factors serve modes that differ in a few pairs as well (low_rank_update.h).  So there are a few working
  * factors, for short steps and for long ones, each of one length; new ones are made in their place when too

@@ -90,12 +90,12 @@ static void copy_largest(const ns_sparse *m, const ns_sparse_largest *from, ns_s
     to->w = w;
 }
 
-void ns_sparse_largest_save(ns_sparse *m) {
-    copy_largest(m, &m->largest, &m->saved_largest);
+void ns_sparse_largest_save(ns_sparse *m, ns_sparse_largest *to) {
+    copy_largest(m, &m->largest, to);
 }
 
-void ns_sparse_largest_restore(ns_sparse *m) {
-    copy_largest(m, &m->saved_largest, &m->largest);
+void ns_sparse_largest_restore(ns_sparse *m, const ns_sparse_largest *from) {
+    copy_largest(m, from, &m->largest);
 }
 
 double ns_sparse_largest_size(const ns_sparse *m) {

@@ -15,8 +15,8 @@ void ns_sparse_largest_guards(ns_sparse *m, const double *v, int exponent);
 double ns_sparse_largest_part(ns_sparse *m, const ns_dense_step *step, double tau);
 /* lasts: the step takes time. */
 void ns_sparse_largest_accept(ns_sparse *m, int exponent, int lasts);
-void ns_sparse_largest_save(ns_sparse *m);
-void ns_sparse_largest_restore(ns_sparse *m);
+void ns_sparse_largest_save(ns_sparse *m, ns_sparse_largest *to);
+void ns_sparse_largest_restore(ns_sparse *m, const ns_sparse_largest *from);
 
 /* The largest charge or flux that there is or was, in units; of those in `of`. */
 double ns_sparse_largest_size(const ns_sparse *m);

@@ -2,10 +2,11 @@
  *
  * The pairs that change with a guard or a command are most often those that changed with it before.  So a
  * step in that mode is tried first, without Euler steps of negligible length that search for the mode.  It is
- * believed if no charge or flux jumps, as the powers D^i w of the step vanish, and if all guards hold at its
- * start.  For an event that was never seen it is tried that no other pair changes, if that was so for most
- * events; else Euler steps as long as those of the step before search for the mode, by factors that there
- * are.
+ * believed if no charge or flux jumps, as the powers D^i w of the step vanish, or as its error is one that
+ * is allowed, and if all guards hold at its start.  For an event that was never seen it is tried that no
+ * other pair changes, if that was so for most events; else Euler steps as long as those of the step before
+ * search for the mode, by factors that there are.  A step that is not believed is kept: if the search finds
+ * its mode, and nothing jumps, it is the one that follows.
  */
 #include "guards.h"
 #include "largest.h"
@@ -106,9 +107,10 @@ void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step) {
     }
 }
 
-/* 1 if all guards hold at the start of a step, but for what later stages would add and this fraction of the
- * largest lambda and y. */
-static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double fraction) {
+/* 1 if all guards hold at the start of a step, but for this fraction of the largest lambda and y, and for
+ * what later stages would add: for the pair `own` that the event changed (-1: none), which is at zero there;
+ * for others where stages vanish. */
+static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double fraction, int own) {
     const size_t size = (size_t)m->f->size, last = (size_t)step->stages - 1;
     const double *v_last = step->images + last * size, *z_last = step->z + last * (size_t)m->f->nz;
     ns_sparse_step_point(m, step, 0, m->work.v);
@@ -116,9 +118,10 @@ static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double 
     for (int j = 0; j < m->f->m; j++) {
         const int guards = guards_of(m, j);
         const double allowed = fraction * (m->mode[j] == NS_INSIDE ? m->largest.lambda : m->largest.y);
+        const double later = step->converged || j == own ? 4 : 0;
         for (int k = 0; k < guards; k++) {
             if (!(guard(m, j, k, m->work.v, m->z, 1) + allowed +
-                      4 * fabs(guard(m, j, k, v_last, z_last, 0)) >=
+                      later * fabs(guard(m, j, k, v_last, z_last, 0)) >=
                   0))
                 return 0;
         }
@@ -126,14 +129,14 @@ static int guards_hold_at_start(ns_sparse *m, const ns_dense_step *step, double 
     return 1;
 }
 
-/* 1 if a step that was tried proves its mode. */
-static int proves_mode(ns_sparse *m, const ns_dense_step *step) {
-    if (!step->converged)
+/* 1 if a step that was tried proves its mode, after the guard of the pair `own` broke. */
+static int proves_mode(ns_sparse *m, const ns_dense_step *step, int own) {
+    if (!step->converged && !step->resolved)
         return 0;
     if (step->at_event && (step->pair >= 0 || step->command >= 0) && step->length < at_once * step->g)
         return 0;
     const double fraction = fmax(start_least, fmin(start_most, roots * sqrt(m->o.reltol)));
-    return guards_hold_at_start(m, step, fraction * m->o.reltol);
+    return guards_hold_at_start(m, step, fraction * m->o.reltol, own);
 }
 
 /* Whether its prediction, or, if nothing is known yet, that no other pair changes, is worth a step. */
@@ -177,11 +180,12 @@ static int try_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dens
     m->predict.trying = kind;
     const int status = ns_sparse_next_step(m, t, before, step);
     m->predict.trying = NS_NO_PREDICTION;
-    if (status == NS_OK && proves_mode(m, step)) {
+    if (status == NS_OK && proves_mode(m, step, before->pair)) {
         m->counts.events++;
         return 1;
     }
     m->counts.steps -= status == NS_OK;
+    m->predict.has_tried = status == NS_OK;
     return 0;
 }
 
@@ -205,12 +209,26 @@ static int predicted_step(ns_sparse *m, double t, const ns_dense_step *before, n
 int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step) {
     ns_mode_prediction *g = entry_of(m, before);
     const ns_prediction_kind kind = kind_of(m, g);
+    m->predict.has_tried = 0;
     if (before->is_euler || before->failures > 0 || before->command >= 0 || (!kind && !may_search(m, g)))
         return 0;
-    ns_sparse_largest_save(m);
+    ns_sparse_largest_save(m, &m->saved_largest);
     if (kind ? predicted_step(m, t, before, step, g, kind) : searched_step(m, t, before, step))
         return 1;
-    ns_sparse_largest_restore(m);
+    if (m->predict.has_tried)
+        ns_sparse_largest_save(m, &m->tried_largest);
+    ns_sparse_largest_restore(m, &m->saved_largest);
     ns_sparse_guard_set_mode(m, m->commanded_mode);
     return 0;
+}
+
+int ns_sparse_predict_take(ns_sparse *m, double t, const ns_dense_step *step) {
+    if (!m->predict.has_tried || memcmp(m->mode, step->mode, (size_t)m->f->m) != 0 ||
+        memcmp(m->w, step->powers, sizeof *m->w * (size_t)m->f->n) != 0)
+        return 0;
+    ns_sparse_largest_restore(m, &m->tried_largest);
+    (void)ns_sparse_next_limit(m, t);
+    ns_inputs_stages_late(m->in, step->time_lost);
+    m->counts.steps++;
+    return 1;
 }

@@ -56,6 +56,7 @@ typedef struct ns_dense_step {
     int stages;      /* how many are known */
     int shown;       /* and how many for points on the way of a trial: one more, once there was one */
     int converged;   /* D^i w vanish: nothing jumps, nothing stiff is excited */
+    int resolved;    /* its error was found to be no more than allowed: nothing jumps */
     /* what ends it */
     int at_event;      /* an event ends it: */
     int pair, command; /* of this guard; -1: not of a pair, not of a command by the state */
@@ -124,8 +125,9 @@ typedef struct ns_mode_predictions {
     ns_mode_prediction *table; /* by a hash */
     size_t places;             /* entries of table */
     ns_prediction_kind trying; /* a step is tried for a prediction: it stops when that turns out wrong */
-    int alone;                 /* above zero: most often no other pair changed */
-    int sought;                /* above zero: searches by long Euler steps succeed */
+    int has_tried; /* one was made to its end, and did not prove its mode: it may be the right one */
+    int alone;     /* above zero: most often no other pair changed */
+    int sought;    /* above zero: searches by long Euler steps succeed */
 } ns_mode_predictions;
 
 /* --- a transient that is passed (transient.c) --- */
@@ -193,7 +195,8 @@ typedef struct ns_sparse {
     ns_sparse_transient transient; /* after it */
 
     /* what errors and chatter are judged by */
-    ns_sparse_largest largest, saved_largest;    /* so far; before a prediction was tried */
+    ns_sparse_largest largest, saved_largest;    /* so far; before a prediction was tried, */
+    ns_sparse_largest tried_largest;             /* and after it */
     double *inverse_scale;                       /* n: 1 / scale of w_i in this step; 0: no charge, no flux */
     ns_sparse_chatter chatter, accepted_chatter; /* so far; at the accepted point */
     int chatter_changed;                         /* these two differ */
@@ -358,6 +361,8 @@ void ns_sparse_predict_reset(ns_sparse *m);
 /* After ns_sparse_event_own_changes(): a step from t in the mode that events like this one led to before, or
  * that an Euler step as long as the last one finds.  0: none that holds, the mode is as it was. */
 int ns_sparse_predict_step(ns_sparse *m, double t, const ns_dense_step *before, ns_dense_step *step);
+/* 1 if that tried step is the one from m->w in m->mode after all: it need not be made again. */
+int ns_sparse_predict_take(ns_sparse *m, double t, const ns_dense_step *step);
 /* m->mode is what the event at the end of `step` led to. */
 void ns_sparse_predict_learn(ns_sparse *m, const ns_dense_step *step);
 

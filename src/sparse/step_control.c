@@ -144,14 +144,22 @@ static int accept_length(const ns_sparse *m, ns_dense_step *step, length_search 
         allowed_doublings(m, step->length_exponent, s->first_exponent, s->error.whole, s->error.ratio);
     if (s->error.whole > 1 && step->next_exponent < s->shortest)
         step->next_exponent++;
+    step->resolved = s->error.until_room <= 1 && s->error.jump <= 1;
     s->found = 1;
     return s->error.whole < INFINITY ? NS_OK : NS_E_OVERFLOW;
 }
 
-/* By how many powers of two a step with this error has to be shorter. */
-static int halvings(double error) {
+/* By how many powers of two a step with this error and ratio d of D has to be shorter: as in
+ * ns_sparse_step_doublings(), back.  A stiff part (d near 1) has to be resolved before its error falls. */
+static int halvings(double error, double d) {
     enum { MOST = 8 };
-    return error < INFINITY ? (int)fmax(1, fmin(MOST, ceil(log2(error) / (NS_ORDER + 1) - 0.1))) : MOST;
+    int k = 0;
+    while (k < MOST && !(k > 0 && error <= 2)) {
+        error *= pow(1 / (2 - d), NS_ORDER + 1);
+        d = d / (2 - d);
+        k++;
+    }
+    return k;
 }
 
 static int try_length(ns_sparse *m, ns_dense_step *step, length_search *s) {
@@ -164,6 +172,8 @@ static int try_length(ns_sparse *m, ns_dense_step *step, length_search *s) {
     if (status == NS_OK)
         status = ns_sparse_step_measure(m, step, s->room, &s->error);
     step->next_exponent = step->length_exponent;
+    if (status == NS_OK && m->predict.trying && s->error.jump > 1)
+        return NS_E_LIMIT; /* as that of a stage: the prediction was wrong */
     if (status == NS_OK && step->stages == NS_ORDER && s->error.until_room <= 1 && s->error.jump > 1)
         status = pass_jump(m, step, s, &again);
     if (status != NS_OK || again)
@@ -171,7 +181,7 @@ static int try_length(ns_sparse *m, ns_dense_step *step, length_search *s) {
     if (s->error.until_room <= 1 || step->length_exponent >= s->shortest || s->tries >= s->shortest)
         return accept_length(m, step, s);
     m->counts.trials++;
-    const int shorter = step->length_exponent + halvings(s->error.until_room);
+    const int shorter = step->length_exponent + halvings(s->error.until_room, s->error.ratio);
     step->length_exponent = shorter < s->shortest ? shorter : s->shortest;
     return NS_OK;
 }

@@ -17,6 +17,8 @@ static const double wiped_out = 1e-2;
 static const double stages_fraction = 0.1, all_stages_fraction = 0.1;
 /* What has a finite rate is less than this fraction of itself after D. */
 static const double decays = 0.7;
+/* What jumps stays as large as this after D, or larger; so does what needs steps shorter by 2^4. */
+static const double stays = 0.95;
 /* D^i w up to this multiple of what rounding does to one solution is rounding: D^i w has that of i solutions,
  * and leaves b_i of it in the w that the next step begins with; the sum of i |b_i| at the end of a step. */
 static const double most_noise = 56;
@@ -85,8 +87,9 @@ int ns_sparse_step_stages(ns_sparse *m, ns_dense_step *step, double room) {
         const double size = size_of_power(m, step, i);
         step->converged =
             are_enough(m, step, i, i < NS_ORDER ? fraction : all_stages_fraction * fraction, size);
-        if (m->predict.trying && !step->converged && size > decays * before &&
-            (i == NS_ORDER || m->predict.trying == NS_FIRST_PREDICTION))
+        if (m->predict.trying && !step->converged &&
+            (m->predict.trying == NS_FIRST_PREDICTION ? size > decays * before
+                                                      : i == NS_ORDER && size > stays * before))
             status = NS_E_LIMIT;
         before = size;
     }

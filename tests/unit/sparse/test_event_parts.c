@@ -203,14 +203,14 @@ static void largest_values_by_length(void **state) {
     assert_true(m->largest.lambda == 7);
     ns_sparse_largest_accept(m, 5, 1);
     v[m->f->n] = 2;
-    ns_sparse_largest_save(m);
+    ns_sparse_largest_save(m, &m->saved_largest);
     ns_sparse_largest_guards(m, v, 4); /* a longer step */
     assert_true(m->largest.lambda == 2);
     ns_sparse_largest_accept(m, 4, 1);
     ns_sparse_largest_guards(m, v, 5);
     assert_true(m->largest.lambda == 7);
     m->largest.w[0] = 3;
-    ns_sparse_largest_restore(m);
+    ns_sparse_largest_restore(m, &m->saved_largest);
     assert_true(m->largest.lambda == 7 && m->largest.lambda_of[4] == 0 && m->largest.w[0] == 0);
     v[m->f->n] = 1e18;
     ns_sparse_largest_guards(m, v, 5);

@@ -192,6 +192,17 @@ static void ends_of_steps_are_right(void **state) {
     }
 }
 
+/* Where a diode closes over a resistance, or opens at no current, no charge jumps.  A step that its mode
+ * predicts proves it as well by an error that is allowed as by stages that vanish: of 4084 events in ten
+ * periods 3574 were searched for by Euler steps, and then the same step was made again; now 1088 of 4027. */
+static void events_that_move_no_charge_are_not_searched(void **state) {
+    (void)state;
+    rig k = multiplier_shown(STAGES, 0.1, NS_AUTO);
+    const ns_counts *n = ns_march_counts(k.m);
+    assert_true(n->problems < n->events / 3);
+    end(&k);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(rounding_is_no_transient),
                                        cmocka_unit_test(tiny_resistances_are_none),
@@ -199,6 +210,7 @@ int main(void) {
                                        cmocka_unit_test(small_charges_do_not_hold_steps_back),
                                        cmocka_unit_test(pairs_that_are_about_to_close_do_not_gather),
                                        cmocka_unit_test(a_loose_reltol_is_tightened),
-                                       cmocka_unit_test(ends_of_steps_are_right)};
+                                       cmocka_unit_test(ends_of_steps_are_right),
+                                       cmocka_unit_test(events_that_move_no_charge_are_not_searched)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
