@@ -203,17 +203,20 @@ static double impulse_rounding(const ns_exact *f, const ns_mode_kernel *k, int g
            ns_exact_guard_time_rounding(f, k, g, f->X_next, rate) * fabs(rate);
 }
 
-static double largest_impulse(const ns_exact *f, const ns_mode_kernel *k) {
+/* The largest impulse of the guards of pairs that block (V s), or of those that conduct (A s), as g is one:
+ * beside roff of 1e15 ohm a flux of 1 V s drives 1e-15 A s, which is no rounding of it. */
+static double largest_alike(const ns_exact *f, const ns_mode_kernel *k, int g) {
     double most = 0;
-    for (int g = 0; g < k->pair_rows; g++)
-        most = ns_higher(most, fabs(f->work.impulse[g]));
+    for (int i = 0; i < k->pair_rows; i++)
+        if ((k->row[i].to == NS_INSIDE) == (k->row[g].to == NS_INSIDE))
+            most = ns_higher(most, fabs(f->work.impulse[i]));
     return most;
 }
 
 /* An impulse of guard g below this is none. */
-static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g, double most) {
-    return impulse_tol * most + min_impulse * fabs(ns_exact_guard_of(k, k->value, g, f->X_next)) +
-           impulse_rounding(f, k, g);
+static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g) {
+    return impulse_tol * largest_alike(f, k, g) +
+           min_impulse * fabs(ns_exact_guard_of(k, k->value, g, f->X_next)) + impulse_rounding(f, k, g);
 }
 
 /* 1 if the impulse of guard g, of the wrong sign, is none: it is outweighed by what flows besides in the same
@@ -226,15 +229,14 @@ int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
     int fits = 1;
     for (int g = 0; g < k->pair_rows; g++)
         f->work.impulse[g] = guard_after_step(k, g, k->r, f->work.gone);
-    const double most = largest_impulse(f, k);
     for (int g = 0; g < k->pair_rows && fits; g++)
-        if (f->work.impulse[g] < -impulse_tol * most && f->work.impulse[g] < -least_impulse(f, k, g, most))
+        if (f->work.impulse[g] < 0 && f->work.impulse[g] < -least_impulse(f, k, g))
             fits = is_no_impulse(f, k, g);
     return fits;
 }
 
 int ns_exact_enter_carries(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return f->work.impulse[g] > impulse_tol * largest_impulse(f, k) + impulse_rounding(f, k, g);
+    return f->work.impulse[g] > impulse_tol * largest_alike(f, k, g) + impulse_rounding(f, k, g);
 }
 
 int ns_exact_enter_worst(const ns_exact *f, const ns_mode_kernel *k) {

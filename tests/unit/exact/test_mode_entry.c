@@ -237,6 +237,37 @@ static void a_leak_is_over_in_the_instant_of_a_command(void **state) {
     near(volts[1], volts[0], 1e-9 * 20);
 }
 
+/* Two thyristors, each a diode of 0.5 V and a switch of 1e15 ohm, between 10 V, 50 Hz and 10 mH with 50 ohm.
+ * One is switched off at 9.75 ms, at 0.77 V, while it conducts 17 mA: 10 mH 17 mA = 2e-4 V s, which stand
+ * across the other thyristor, drive 2e-19 A s through it, and then its diode blocks as the voltage turns. The
+ * charge was taken for the rounding of that flux, so that the diode had carried nothing, and no mode was
+ * right: the theta scheme went on, with 364 pivots. */
+static void a_charge_is_no_rounding_of_a_flux(void **state) {
+    enum { IN = 1, A, B, G1, G2, M1, M2 };
+    const ns_switch s = {.vt = 0.5, .roff = 1e15};
+    const ns_diode d = {.vf = 0.5, .roff = 1e15, .vz = INFINITY};
+    const ns_signal sine = {.kind = NS_SIN, .u.sin = {.va = 10, .freq = 50}},
+                    gate = {.kind = NS_PULSE, .u.pulse = {0, 1, 2e-3, 1e-6, 1e-6, 7.75e-3, 20e-3, 0}};
+    bench b = open_bench();
+    (void)state;
+    source(&b, "v", IN, 0, sine);
+    source(&b, "g1", G1, 0, gate);
+    source(&b, "g2", G2, 0, dc(0));
+    assert_int_equal(ns_circuit_diode(b.c, "d1", IN, M1, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s1", M1, A, G1, 0, &s, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "d2", A, M2, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "s2", M2, IN, G2, 0, &s, NULL), NS_OK);
+    resistor(&b, "r", A, B, 50);
+    assert_int_equal(ns_circuit_inductor(b.c, "l", B, 0, 10e-3, 0, NULL), NS_OK);
+    start(&b, 12e-3 / 65536);
+    (void)go(&b, 9.75e-3, NS_TO_TIME);
+    assert_true(v_of(&b, A) - v_of(&b, B) > 50 * 15e-3);
+    (void)go(&b, 12e-3, NS_TO_TIME);
+    assert_true(fabs(v_of(&b, A) - v_of(&b, B)) < 50 * 2 * 10 / 1e15);
+    assert_true(ns_march_counts(b.m)->pivots < 10);
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_jump_stops_where_another_diode_takes_over),
                                        cmocka_unit_test(how_well_an_instant_is_known),
@@ -244,6 +275,7 @@ int main(void) {
                                        cmocka_unit_test(what_was_resolved_at_the_start),
                                        cmocka_unit_test(rates_that_begin_with_the_event),
                                        cmocka_unit_test(a_transient_goes_on_in_the_next_mode),
-                                       cmocka_unit_test(a_leak_is_over_in_the_instant_of_a_command)};
+                                       cmocka_unit_test(a_leak_is_over_in_the_instant_of_a_command),
+                                       cmocka_unit_test(a_charge_is_no_rounding_of_a_flux)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
