@@ -155,6 +155,15 @@ static int breaks_on_the_way(ns_exact *f, ns_exact_mode *k, ns_evidence evidence
            (judge_mode(f, fine, evidence, undecided) == NS_VERDICT_NO || contradicts_command(f, fine));
 }
 
+/* 1 if mode k, which does not hold, does so until what it hides has died out, less than what counts as a
+ * jump: the current of a leak that ends in L/roff, after which its diode conducts.  f->X_next: after that. */
+static int holds_for_an_instant(ns_exact *f, ns_exact_mode *k, ns_evidence evidence) {
+    ns_exact_mode *fine = ns_exact_mode_fine(f, k);
+    const int holds = fine && judge_mode(f, fine, evidence, 0) == NS_VERDICT_HOLDS;
+    (void)ns_exact_enter(f, k);
+    return holds;
+}
+
 /* A jump that has a finite rate is resolved where pairs may open and close on its way: another mode follows
  * there, or other charges are left.  At a start any pair may. */
 ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
@@ -167,8 +176,11 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
         return verdict;
     if (!f->entered) {
         const int goes_on = f->state.mode && f->state.mode->resolves; /* what the mode before follows */
-        return verdict == NS_VERDICT_NO && goes_on && ns_exact_mode_resolve(f, k)
-                   ? judge_mode(f, k, evidence, undecided)
+        if (verdict == NS_VERDICT_NO && goes_on && ns_exact_mode_resolve(f, k))
+            return judge_mode(f, k, evidence, undecided);
+        return verdict == NS_VERDICT_NO && evidence == NS_EVIDENCE_STEP && f->state.mode &&
+                       holds_for_an_instant(f, k, evidence)
+                   ? NS_VERDICT_JUMPS
                    : verdict;
     }
     if (f->state.mode && !takes_time(f, k)) {
