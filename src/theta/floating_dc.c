@@ -7,6 +7,7 @@
  */
 #include "floating_dc.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -55,16 +56,19 @@ static void join(const dc_rows *d, double *a, double *size) {
     }
 }
 
-/* The right-hand sides of the rows of a part add up to zero. */
+/* The right-hand sides of the rows of a part add up to zero.  A row that is not of the part may have rounding
+ * of the largest multiplier in place of zero, which its right-hand side multiplies. */
 static int adds_up(const dc_rows *d, const double *part) {
-    static const double rounding = 1e-12;
-    double sum = 0, terms = 0;
+    static const double rounding = 1e-12, of_zero = 64 * DBL_EPSILON;
+    double sum = 0, terms = 0, beside = 0, most = 0;
     for (int i = 0; i < d->count; i++) {
-        const double term = part[i * d->count] * d->s->rhs[place_of(d, i)];
-        sum += term;
-        terms += fabs(term);
+        const double by = part[i * d->count], value = by != 0 ? d->s->rhs[place_of(d, i)] : 0;
+        sum += by * value;
+        terms += fabs(by * value);
+        beside += fabs(value);
+        most = fmax(most, fabs(by));
     }
-    return fabs(sum) <= rounding * terms;
+    return fabs(sum) <= rounding * terms + of_zero * most * beside;
 }
 
 /* The charge of a part, of each unknown (n).  Returns the largest. */

@@ -154,19 +154,23 @@ static void form_dc(ns_theta *s, const double *z, int nhold, const int *hold, co
     }
 }
 
+static double residual(const ns_theta *s, int size) {
+    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
+    return ns_mlcp_residual(&p, s->sol, NULL);
+}
+
 /* 1 if the answer with leaks is one of the exact problem, if need be after what is rounding beside the
  * largest unknown was set to zero: a row that has nothing else in it allows no rounding. */
 static int is_exact(ns_theta *s, int size) {
     static const double good = 1e-12, rounding = 1e-15;
-    const ns_mlcp p = {.m = size, .W = s->K, .q = s->rhs, .l = s->bl, .u = s->bu};
-    if (ns_mlcp_residual(&p, s->sol, NULL) < good)
+    if (residual(s, size) < good)
         return 1;
     (void)ns_linalg_lu_scale(s->lu, size, s->K);
     const double largest = ns_linalg_lu_largest(s->lu, s->sol), *unit = ns_linalg_lu_units(s->lu);
     for (int i = 0; i < size; i++)
         if (fabs(s->sol[i]) <= rounding * largest * unit[i])
             s->sol[i] = 0;
-    return ns_mlcp_residual(&p, s->sol, NULL) < good;
+    return residual(s, size) < good;
 }
 
 static int leaves_open(ns_theta *s, int size) {
@@ -175,31 +179,52 @@ static int leaves_open(ns_theta *s, int size) {
     return ns_linalg_lu_factor(s->lu, size, s->K, &rcond) != NS_OK || rcond < least;
 }
 
+/* One round of go_rounds_of_leaks(); *open is that of the first round. */
+static int go_round_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
+                             ns_floating_parts *parts, double fraction, int first, int *open, ns_mode *mode) {
+    const int size = s->s->n + s->s->m + nhold;
+    int status = NS_OK;
+    form_dc(s, z, nhold, hold, hold_x);
+    add_leaks(s, 1, size, fraction, !first);
+    if (first)
+        *open = leaves_open(s, size);
+    if (*open)
+        status = ns_theta_floating_dc(s, nhold, hold, parts);
+    if (status == NS_OK)
+        status = solve_lcp(s, 1, size, mode);
+    if (status == NS_OK)
+        form_dc(s, z, nhold, hold, hold_x);
+    return status;
+}
+
 /* At the operating point an inductor is a short: how it shares a current with a closed switch is
  * undetermined, and all of it flows in the inductor when the switch has any resistance.  So the problem is
  * solved again with leaks: around zero, which determines everything, then twice or more around the answer so
- * far, which leaves the square, the cube, and so on, of their fraction on the rest.  What leaks leave open
- * too floats.  If there is no such answer the exact one is kept. */
+ * far, which leaves the square, the cube, and so on, of their fraction on the rest.  Beside 10 Mohm, which
+ * alone may hold a part where others are 10 mohm, leaks are no small fraction: rounds go on while they gain,
+ * then with smaller leaks, then with none.  What leaks leave open too floats.  If there is no such answer the
+ * exact one is kept. */
 static int go_rounds_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
                               ns_floating_parts *parts, ns_mode *mode) {
-    enum { LEAST_ROUNDS = 3, MOST_ROUNDS = 6 };
-    static const double fraction = 1e-8;
+    enum { LEAST_ROUNDS = 3, USUAL_ROUNDS = 6, MOST_ROUNDS = 24 };
+    static const double gain = 0.25, smaller = 1.0 / 1024, least = 1e-10;
     const int size = s->s->n + s->s->m + nhold;
-    int open = 0; /* of the first round: the matrix is the same in all */
+    int open = 0;
+    double fraction = 1e-8, last = INFINITY;
     for (int round = 1; round <= MOST_ROUNDS; round++) {
-        int status = NS_OK;
-        form_dc(s, z, nhold, hold, hold_x);
-        add_leaks(s, 1, size, fraction, round > 1);
-        open = round > 1 ? open : leaves_open(s, size);
-        if (open)
-            status = ns_theta_floating_dc(s, nhold, hold, parts);
-        if (status == NS_OK)
-            status = solve_lcp(s, 1, size, mode);
+        const int status =
+            go_round_of_leaks(s, z, nhold, hold, hold_x, parts, fraction, round == 1, &open, mode);
         if (status != NS_OK)
             return status;
-        form_dc(s, z, nhold, hold, hold_x);
         if (round >= LEAST_ROUNDS && is_exact(s, size))
             return NS_OK;
+        const double now = residual(s, size);
+        if (round >= USUAL_ROUNDS && !(now < gain * last)) {
+            if (fraction == 0)
+                break;
+            fraction = fraction > least ? smaller * fraction : 0;
+        }
+        last = now;
     }
     return NS_E_RESIDUAL;
 }
