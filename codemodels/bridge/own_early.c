@@ -3,7 +3,8 @@
  *
  * Three switches do that: one is closed above vt+|vh|; beside it lie, in series, one that is closed above
  * vt-|vh|, and one that remembers, by a hysteresis that is a trifle wider than both, that the control came
- * from below. So the switch itself changes exactly at vt-|vh| and vt+|vh|, where one of the first two does.
+ * from below, as ngspice takes it where it is in between from the start on. So the switch itself changes
+ * exactly at vt-|vh| and vt+|vh|, where one of the first two does.
  */
 #include "own_elements.h"
 #include "own_show.h"
@@ -42,7 +43,9 @@ int ns_bridge_own_add_early(ns_extract_walk *w, const GENinstance *inst, const n
     status = status ? status : add(w, name, s->p, between, s, sign, &above_low, &taken->early.low);
     snprintf(name, sizeof name, "%.140s#below", inst->GENname);
     status = status ? status : add(w, name, between, s->n, s, -sign, &memory, &taken->early.from_below);
-    status = status ? status : ns_circuit_switch_initially(c, taken->early.from_below, opens != s->closed);
+    status = status ? status
+                    : ns_circuit_switch_initially(c, taken->early.from_below,
+                                                  opens != ns_bridge_own_is_closed_inside(w, s));
     status = status ? status : ns_circuit_switch_at_rest(c, taken->early.low, 1);
     return status ? status : ns_circuit_switch_at_rest(c, taken->id, 0);
 }

@@ -42,7 +42,8 @@ int ns_bridge_own_add_early(ns_extract_walk *w, const GENinstance *inst, const n
 /* 1 if ngspice has an S or W of vh = 0 closed whose control is at its threshold from the start on. */
 int ns_bridge_own_is_closed_at_rest(const CKTcircuit *ckt, int uic, const ns_own_switch *s);
 /* 1 if ngspice has it closed whose control is inside the hysteresis from the start on: by ON or
- * OFF (a W: with uic only, else it is open); with uic the control of an S comes from its .ic, or from 0. */
+ * OFF (a W: with uic only, else it is open); with uic the control of an S comes from its .ic, or from 0.
+ * One of a negative vh: closed, but for where it came from under uic and in .dc. */
 int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s);
 
 /* *cp, the first node of the control of an S (the second one, if ron > roff), becomes a node that stands for

@@ -40,6 +40,10 @@ static int is_uic(const ns_extract_walk *w) {
 
 int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s) {
     const double begins = control_of_uic(w->ckt, s);
+    if (s->early > 0.0 && !is_uic(w))
+        return w->dc ? s->closed : 1;
+    if (s->early > 0.0)
+        return fabs(begins - s->vt) <= s->early ? s->closed : begins < s->vt;
     if (!is_uic(w) || s->branch > 0 || (begins >= s->vt - s->vh && begins <= s->vt + s->vh))
         return s->closed;
     return begins > s->vt;

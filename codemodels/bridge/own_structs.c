@@ -40,6 +40,19 @@ static int is_closed_inside(const CKTcircuit *dc, int state, int given) {
     return from[state] == 1.0 || from[state] == 3.0;
 }
 
+/* The same of a negative vh: what counts is the side that the control came from, the lower one if it was
+ * nowhere else; with uic (in .tran) `given`. */
+static int is_closed_early(const CKTcircuit *dc, int state, int control, const ns_own_switch *s, int given) {
+    static const double edge = 1e-9; /* of |vh|: a point there, but for rounding, is still on its side */
+    if (!dc)
+        return given;
+    if (!(dc->CKTmode & MODEDCTRANCURVE) || (dc->CKTmode & (MODEINITJCT | MODEINITFIX)))
+        return 1;
+    const double *from = dc->CKTmode & MODEINITPRED ? dc->CKTstate1 : dc->CKTstate0;
+    const int inside = fabs(from[control] - s->vt) < (1.0 - edge) * s->early;
+    return inside ? is_closed_inside(dc, state, given) : from[control] < s->vt;
+}
+
 void ns_bridge_own_read_switch(const GENinstance *inst, const CKTcircuit *dc, ns_own_switch *s) {
     const SWinstance *sw = (const SWinstance *)inst;
     const SWmodel *model = SWmodPtr(sw);
@@ -53,6 +66,8 @@ void ns_bridge_own_read_switch(const GENinstance *inst, const CKTcircuit *dc, ns
                          .ron = ohms_of(model->SWonConduct),
                          .roff = ohms_of(model->SWoffConduct),
                          .closed = is_closed_inside(dc, sw->SWswitchstate, sw->SWzero_stateGiven)};
+    if (s->early > 0.0)
+        s->closed = is_closed_early(dc, sw->SWswitchstate, sw->SWctrlvalue, s, sw->SWzero_stateGiven);
 }
 
 /* Where the current lies inside the hysteresis, the second iteration takes the state of the point before, not
@@ -71,6 +86,8 @@ void ns_bridge_own_read_current_switch(const GENinstance *inst, const CKTcircuit
                          .ron = ohms_of(model->CSWonConduct),
                          .roff = ohms_of(model->CSWoffConduct),
                          .closed = is_closed_inside(dc, w->CSWswitchstate, uic && w->CSWzero_stateGiven)};
+    if (s->early > 0.0)
+        s->closed = is_closed_early(dc, w->CSWswitchstate, w->CSWctrlvalue, s, w->CSWzero_stateGiven);
 }
 
 /* As in ngspice's load: the sidewall has a law of its own only if its emission coefficient was given. */
@@ -143,6 +160,8 @@ void ns_bridge_own_write_switch(GENinstance *inst, CKTcircuit *ckt, double v, do
         CSWinstance *w = (CSWinstance *)inst;
         w->CSWcond = conductance_at(v, i, CSWmodPtr(w)->CSWonConduct, CSWmodPtr(w)->CSWoffConduct, on);
         ckt->CKTstate0[w->CSWswitchstate] = on;
+        if (ckt->CKTmode & MODEDCTRANCURVE) /* ngspice itself keeps it for S only */
+            ckt->CKTstate0[w->CSWctrlvalue] = ckt->CKTrhsOld[w->CSWcontBranch];
     }
 }
 
