@@ -180,6 +180,8 @@ typedef struct ns_own_taken {
         double seconds, all;   /* for how long it was there and that counts, and in all */
     } between;
     ns_own_switch sw; /* of S, W */
+    const char
+        *open[2]; /* own_open.c: nodes of its control that nothing else is connected to; NULL: no such one */
     /* of M: */
     ns_own_mosfet mosfet;
     ns_own_drive driven;   /* as the netlist says */

@@ -6,6 +6,7 @@
 #include "own_closed.h"
 #include "own_feedback.h"
 #include "own_follower.h"
+#include "own_open.h"
 #include "own_structs.h"
 
 /* --- S and W --- */
@@ -78,6 +79,9 @@ static int take_switch(ns_extract_walk *w, GENinstance *inst, ns_own_switch *s, 
     if (s->ron < 0.0 || s->roff < 0.0)
         return ns_bridge_own_refuse_value(w, inst, s->ron < 0.0 ? "ron" : "roff",
                                           s->ron < 0.0 ? s->ron : s->roff, "must be at least 0");
+    status = by_current ? NS_OK : ns_bridge_own_hold_open(w, s->cp, s->cn, &taken);
+    if (status)
+        return status;
     if (s->ron == s->roff)
         status = add_resistor(w, inst, s, &taken.id);
     else if (s->early > 0.0)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "own_current.h"
+#include "own_open.h"
 #include "own_structs.h"
 #include "report.h"
 
@@ -260,4 +261,5 @@ void ns_bridge_own_announce(const ns_analysis *a) {
                                   toupper((unsigned char)o->inst->GENname[0]), o->inst->GENmodPtr->GENmodName,
                                   count, count == 1 ? "it is" : "they are");
     }
+    ns_bridge_own_announce_open(&a->ex);
 }
