@@ -28,9 +28,9 @@ static double control_of_uic(const CKTcircuit *ckt, const ns_own_switch *s) {
 }
 
 int ns_bridge_own_is_closed_at_rest(const CKTcircuit *ckt, int uic, const ns_own_switch *s) {
-    const double begins = control_of_uic(ckt, s);
     if (!uic)
         return 1;
+    const double begins = control_of_uic(ckt, s);
     return s->vt == begins ? s->closed : s->vt > begins;
 }
 
@@ -39,14 +39,15 @@ static int is_uic(const ns_extract_walk *w) {
 }
 
 int ns_bridge_own_is_closed_inside(const ns_extract_walk *w, const ns_own_switch *s) {
-    const double begins = control_of_uic(w->ckt, s);
-    if (s->early > 0.0 && !is_uic(w))
+    const double half = s->vh + s->early;
+    if (!is_uic(w) && s->early > 0.0)
         return w->dc ? s->closed : 1;
-    if (s->early > 0.0)
-        return fabs(begins - s->vt) <= s->early ? s->closed : begins < s->vt;
-    if (!is_uic(w) || s->branch > 0 || (begins >= s->vt - s->vh && begins <= s->vt + s->vh))
+    if (!is_uic(w) || (s->branch > 0 && s->early == 0.0))
         return s->closed;
-    return begins > s->vt;
+    const double begins = control_of_uic(w->ckt, s);
+    if (begins >= s->vt - half && begins <= s->vt + half)
+        return s->closed;
+    return s->early > 0.0 ? begins < s->vt : begins > s->vt;
 }
 
 /* The V between the nodes of the control, NULL: there is none; *sign: of its value in the control. */
