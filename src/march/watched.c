@@ -250,7 +250,8 @@ static int is_ruled_out(ns_march *m, double end, samples *s, int *status) {
     return none && *status == NS_OK;
 }
 
-/* The first crossing on the way of the trial from `from` to *to, which becomes its time; *found. */
+/* The first crossing on the way of the trial from `from` to *to, which becomes its time; *found.  After so
+ * many samples without one *to is where the last of them is: the trial ends there. */
 static int find_crossing(ns_march *m, double from, double *to, int *found) {
     enum { MOST = 1000000 };
     samples s = {0};
@@ -267,12 +268,12 @@ static int find_crossing(ns_march *m, double from, double *to, int *found) {
     for (int i = 0; i < MOST && status == NS_OK && !*found && t < *to; i++) {
         const double end = *to, step = ns_engine_shortest(m->engine, t, &until);
         const double next = step < end - t ? t + step : end;
-        t = i == MOST - 1 ? end
-                          : fmax(fmin(next, until), nextafter(t, INFINITY)); /* however short the trial is */
+        t = fmax(fmin(next, until), nextafter(t, INFINITY)); /* however short the trial is */
         status = add_sample(m, t, &s);
         if (status == NS_OK)
             status = search_samples(m, &s, to, found);
     }
+    *to = *found ? *to : t;
     return status;
 }
 
@@ -318,9 +319,8 @@ int ns_march_watched_try(ns_march *m, double t, ns_until until, double *reached)
         return mark_end(m);
     double to = *reached;
     status = find_crossing(m, m->accepted, &to, &found);
-    if (status != NS_OK || !found)
-        return status;
-    status = mark_crossing(m, *reached, &to);
+    if (status == NS_OK && found)
+        status = mark_crossing(m, *reached, &to);
     return status != NS_OK || to >= *reached ? status : ns_march_try_unwatched(m, to, NS_TO_STEP, reached);
 }
 

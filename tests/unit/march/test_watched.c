@@ -287,6 +287,29 @@ static void bad_calls(void **state) {
     close_bench(&b);
 }
 
+/* 1 V, 10 kHz beside a ring of 1.1 GHz without losses, which samples are as close as: v is above 0.5 V from
+ * 1/12 to 5/12 of its period, 2 million samples after the start of a trial of 0.1 ms.  After one million the
+ * end of the trial was looked at next, where v is 0 again: both were passed without a word. */
+static void of_more_samples_than_a_trial_may_take(void **state) {
+    (void)state;
+    bench b = open_bench();
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-4, .method = NS_EXACT, .whole = 1};
+    const ns_signal sine = {.kind = NS_SIN, .u.sin = {.va = 1, .freq = 1e4}};
+    double reached;
+    assert_int_equal(ns_circuit_source(b.c, "v", NS_VOLTAGE, 1, 0, &sine, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c", 2, 0, 1e-11, 1, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(b.c, "l", 2, 0, 2e-9, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_system(b.c, &b.s), NS_OK);
+    assert_int_equal(ns_march_create(b.s, &o, &b.m, NULL), NS_OK);
+    start_at_rest(&b);
+    const ns_threshold at = {ns_circuit_node_unknown(b.c, 1), -1, 0.5, 0, 0};
+    assert_int_equal(ns_march_watch(b.m, 1, &at), NS_OK);
+    assert_int_equal(go_until_crossed(b.m, 1e-4, &reached), 1);
+    assert_true(ns_march_counts(b.m)->looks > 1000000);
+    assert_true(fabs(reached - 1e-4 / 12) < 1e-16);
+    close_bench(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(of_an_rc),
@@ -297,6 +320,7 @@ int main(void) {
         cmocka_unit_test(of_what_rounding_tells_apart),
         cmocka_unit_test(of_a_current_that_jumps),
         cmocka_unit_test(of_the_shortest_trial),
+        cmocka_unit_test(of_more_samples_than_a_trial_may_take),
         cmocka_unit_test(bad_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
