@@ -123,7 +123,7 @@ static int by_size(const void *a, const void *b) {
 /* s: what is resolved may not be shorter than the rounding of the time, which must be small beside DIES_OUT
  * times less: events amid it are located to no more than that. */
 static double told_apart(const ns_exact *f) {
-    static const double roundings = 1024;
+    static const double roundings = 256;
     return roundings * DBL_EPSILON * fabs(f->state.now.t);
 }
 
