@@ -120,10 +120,10 @@ static int by_size(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* s: what is resolved may not be shorter than the rounding of the time, which must be small beside DIES_OUT
- * times less: events amid it are located to no more than that. */
+/* s: what is resolved may not be shorter than the rounding of the time, of which it must last several times
+ * as long. */
 static double told_apart(const ns_exact *f) {
-    static const double roundings = 256;
+    static const double roundings = 64;
     return roundings * DBL_EPSILON * fabs(f->state.now.t);
 }
 

@@ -169,44 +169,10 @@ static void points_of_any_distance(void **state) {
     }
 }
 
-/* A buck converter of 1 MHz whose switch discharges 100 pF through 1 nohm: in 1e-19 s, half a rounding
- * of a time of 1 ms.  Nothing that happens within that can be located; it was followed all the same, in 10991
- * steps where the converter without these resistances takes 8564. */
-static void what_is_shorter_than_the_rounding_of_time_is_over_at_once(void **state) {
-    const ns_signal supply = dc(48), gate = pulse(0, 1, 0, 1e-9, 1e-9, 400e-9, 1e-6);
-    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6 / 1024, .method = NS_EXACT};
-    long steps[2];
-    (void)state;
-    for (int i = 0; i < 2; i++) {
-        const double ron = i * 1e-9;
-        const ns_switch contact = {.vt = 0.5, .ron = ron, .roff = INFINITY};
-        const ns_diode diode = {.ron = ron, .roff = INFINITY, .vz = INFINITY};
-        rig k = begin();
-        ok(ns_circuit_source(k.c, "v", NS_VOLTAGE, 1, 0, &supply, NULL));
-        ok(ns_circuit_source(k.c, "g", NS_VOLTAGE, 4, 0, &gate, NULL));
-        ok(ns_circuit_switch(k.c, "s", 1, 2, 4, 0, &contact, NULL));
-        ok(ns_circuit_diode(k.c, "d", 0, 2, &diode, NULL));
-        ok(ns_circuit_capacitor(k.c, "c1", 2, 0, 100e-12, NAN, NULL));
-        ok(ns_circuit_inductor(k.c, "l", 2, 3, 10e-6, NAN, NULL));
-        ok(ns_circuit_capacitor(k.c, "c2", 3, 0, 10e-6, NAN, NULL));
-        ok(ns_circuit_resistor(k.c, "r", 3, 0, 5, NULL));
-        make_by(&k, &o);
-        start_at_rest(&k);
-        for (double t = 0; t < 1e-3; ok(ns_march_accept(k.m)))
-            ok(ns_march_try(k.m, 1e-3, NS_TO_STEP, &t));
-        steps[i] = (long)ns_march_counts(k.m)->steps;
-        end(&k);
-    }
-    assert_true(steps[1] < steps[0] + steps[0] / 10);
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_of_any_distance),
-        cmocka_unit_test(charges),
-        cmocka_unit_test(a_mode_of_a_bad_condition_is_exact),
-        cmocka_unit_test(a_mode_without_matrices_is_left_to_the_sparse_engine),
-        cmocka_unit_test(no_step_has_no_length),
-        cmocka_unit_test(what_is_shorter_than_the_rounding_of_time_is_over_at_once)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(points_of_any_distance), cmocka_unit_test(charges),
+                                       cmocka_unit_test(a_mode_of_a_bad_condition_is_exact),
+                                       cmocka_unit_test(a_mode_without_matrices_is_left_to_the_sparse_engine),
+                                       cmocka_unit_test(no_step_has_no_length)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
