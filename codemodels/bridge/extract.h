@@ -179,9 +179,8 @@ typedef struct ns_own_taken {
         double most_i, most_v; /* A, V: the largest through it, across it */
         double seconds, all;   /* for how long it was there and that counts, and in all */
     } between;
-    ns_own_switch sw; /* of S, W */
-    const char
-        *open[2]; /* own_open.c: nodes of its control that nothing else is connected to; NULL: no such one */
+    ns_own_switch sw;    /* of S, W */
+    const char *open[2]; /* nodes of its control that nothing else is connected to (own_open.c), or NULL */
     /* of M: */
     ns_own_mosfet mosfet;
     ns_own_drive driven;   /* as the netlist says */

@@ -155,8 +155,8 @@ static int breaks_on_the_way(ns_exact *f, ns_exact_mode *k, ns_evidence evidence
            (judge_mode(f, fine, evidence, undecided) == NS_VERDICT_NO || contradicts_command(f, fine));
 }
 
-/* 1 if mode k, which does not hold, does so until what it hides has died out, less than what counts as a
- * jump: the current of a leak that ends in L/roff, after which its diode conducts.  f->X_next: after that. */
+/* 1 if mode k, which does not hold at f->X_next, held until its fast parts had died out; what they moved is
+ * too little to count as a jump.  So a leak ends in L/roff, and then its diode conducts. */
 static int holds_for_an_instant(ns_exact *f, ns_exact_mode *k, ns_evidence evidence) {
     ns_exact_mode *fine = ns_exact_mode_fine(f, k);
     const int holds = fine && judge_mode(f, fine, evidence, 0) == NS_VERDICT_HOLDS;

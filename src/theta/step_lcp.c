@@ -179,7 +179,8 @@ static int leaves_open(ns_theta *s, int size) {
     return ns_linalg_lu_factor(s->lu, size, s->K, &rcond) != NS_OK || rcond < least;
 }
 
-/* One round of go_rounds_of_leaks(); *open is that of the first round. */
+/* One round of go_rounds_of_leaks(), with leaks of this fraction.  *open: 1 if the matrix of the first round
+ * is singular, so that parts float; later rounds keep that. */
 static int go_round_of_leaks(ns_theta *s, const double *z, int nhold, const int *hold, const double *hold_x,
                              ns_floating_parts *parts, double fraction, int first, int *open, ns_mode *mode) {
     const int size = s->s->n + s->s->m + nhold;
