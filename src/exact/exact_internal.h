@@ -86,17 +86,18 @@ typedef struct ns_successor {
 
 /* What is kept of a mode. */
 struct ns_exact_mode {
-    ns_mode *mode;       /* m */
-    long last_used;      /* by cache.clock */
-    int status;          /* SINGULAR: the mode contradicts itself */
-    int scales;          /* how many time scales; the first resolves what is fastest */
-    int rates;           /* how many are resolved */
-    int has_instant;     /* 1: a constraint or a rate beyond resolution: entering may jump */
-    int hides;           /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
-                            infinite one */
-    int resolves;        /* 1: these are resolved, as far as t tells them apart */
-    double shortest;     /* s: the first of what is resolved has died out after this */
-    ns_exact_mode *fine; /* the same mode with these resolved, to judge this one by; NULL: not needed yet */
+    ns_mode *mode;   /* m */
+    long last_used;  /* by cache.clock */
+    int status;      /* SINGULAR: the mode contradicts itself */
+    int scales;      /* how many time scales; the first resolves what is fastest */
+    int rates;       /* how many are resolved */
+    int has_instant; /* 1: a constraint or a rate beyond resolution: entering may jump */
+    int hides;       /* 1: a rate dies out within an instant, or is so large that it may be rounding of an
+                        infinite one */
+    int resolves;    /* 1: these are resolved, as far as t tells them apart */
+    double shortest; /* s: the first of what is resolved has died out after this */
+    ns_exact_mode
+        *other; /* the same mode with these resolved, or not, as this one does not; NULL: not needed yet */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
@@ -304,10 +305,11 @@ static inline void ns_exact_note_size(ns_exact *f) {
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out);
 void ns_exact_mode_forget_all(ns_exact *f);
 /* Mode k with those finite rates resolved that it takes as instantaneous: k owns it; NULL: there are none
- * that the time tells apart.  And: 1: they are resolved from now on: its kernels are new. */
+ * that the time tells apart.  And: 1: they are resolved from now on: its kernels are others; 0: there are
+ * none, or their guards would be rounding. */
 ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k);
-/* Mode k was resolved early in the run, and dies out within the rounding of the present time: as if in an
- * instant again. */
+/* What mode k resolves dies out within the rounding of the present time, or its guards are rounding: as if in
+ * an instant again.  Not of the mode at work. */
 void ns_exact_mode_coarsen(ns_exact *f, ns_exact_mode *k);
 int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k);
 /* Drops the modes not used for longest until all fit into three quarters of the limit; never `keep`. */

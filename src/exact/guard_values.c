@@ -65,3 +65,25 @@ void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X
 double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g) {
     return ns_exact_guard_rounding_at(f, k, g, f->X, ns_exact_guard_of(k, k->rate, g, f->X));
 }
+
+/* The largest of what guards are, of pairs that are open as pair g is, or conduct as it does: the values in
+ * `fine`, or the terms that they are summed from in `coarse`. */
+static double largest_alike(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse,
+                            int g) {
+    double most = 0;
+    for (int i = 0; i < fine->pair_rows; i++)
+        if ((fine->row[i].to == NS_INSIDE) == (fine->row[g].to == NS_INSIDE)) {
+            most = ns_higher(most, fabs(ns_exact_guard_of(fine, fine->value, i, f->X)));
+            most = ns_higher(most, ns_exact_guard_rounding_at(f, coarse, i, f->X, 0) / eps_of_terms);
+        }
+    return most;
+}
+
+int ns_exact_guards_are_readable(const ns_exact *f, const ns_mode_kernel *fine,
+                                 const ns_mode_kernel *coarse) {
+    static const double most = 1e-3;
+    for (int g = 0; g < fine->pair_rows; g++)
+        if (!(ns_exact_guard_rounding_at(f, fine, g, f->X, 0) <= most * largest_alike(f, fine, coarse, g)))
+            return 0;
+    return 1;
+}

@@ -6,6 +6,8 @@
  */
 #include "exact_internal.h"
 
+#include "guards.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -44,7 +46,7 @@ static void free_time_scales(ns_exact_mode *k) {
 static void free_mode(ns_exact_mode *k) {
     if (!k)
         return;
-    free_mode(k->fine);
+    free_mode(k->other);
     free_time_scales(k);
     free(k->mode);
     free(k);
@@ -71,7 +73,7 @@ static size_t bytes_of(const ns_exact *f, const ns_exact_mode *k) {
         for (int j = 0; j < NS_CACHED_STEPS; j++)
             sum += scale->cached[j].map ? scale->cached[j].map->bytes : 0;
     }
-    return sum + (k->fine ? bytes_of(f, k->fine) : 0);
+    return sum + (k->other ? bytes_of(f, k->other) : 0);
 }
 
 /* `gone` is no successor of a mode any more. */
@@ -266,9 +268,19 @@ static ns_exact_mode *new_mode(const ns_mode *mode, int m) {
     return k;
 }
 
+static void forget_other(ns_exact *f, ns_exact_mode *k) {
+    f->cache.bytes -= bytes_of(f, k->other);
+    free_mode(k->other);
+    k->other = NULL;
+}
+
 ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k) {
-    if (!k->hides || k->resolves || k->fine)
-        return k->fine;
+    if (!k->hides || k->resolves)
+        return NULL;
+    if (k->other && k->other->shortest < told_apart(f))
+        forget_other(f, k);
+    if (k->other)
+        return k->other;
     ns_exact_mode *fine = new_mode(k->mode, f->system->m);
     int status = fine ? NS_OK : NS_E_MEMORY;
     if (status == NS_OK) {
@@ -284,49 +296,45 @@ ns_exact_mode *ns_exact_mode_fine(ns_exact *f, ns_exact_mode *k) {
         return NULL;
     }
     f->cache.bytes += sizeof *fine + (size_t)f->system->m;
-    return k->fine = fine;
+    return k->other = fine;
 }
 
-/* The kernels of mode k are those of `from`, which is freed. */
-static void take_kernels(ns_exact *f, ns_exact_mode *k, ns_exact_mode *from) {
-    const size_t before = bytes_of(f, k) + (k->fine == from ? 0 : bytes_of(f, from));
-    free_time_scales(k);
-    memcpy(k->scale, from->scale, sizeof k->scale);
-    memset(from->scale, 0, sizeof from->scale);
-    k->scales = from->scales;
-    k->rates = from->rates;
-    k->has_instant = from->has_instant;
-    k->hides = from->hides;
-    k->resolves = from->resolves;
-    k->shortest = from->shortest;
-    k->fine = NULL;
-    free_mode(from);
-    f->cache.bytes += bytes_of(f, k);
-    f->cache.bytes -= before;
+static void copy_kernels(ns_exact_mode *to, const ns_exact_mode *from) {
+    memcpy(to->scale, from->scale, sizeof to->scale);
+    to->scales = from->scales;
+    to->rates = from->rates;
+    to->has_instant = from->has_instant;
+    to->hides = from->hides;
+    to->resolves = from->resolves;
+    to->shortest = from->shortest;
+}
+
+/* Mode k goes by the kernels of k->other from now on, and that has those of k. */
+static void swap_kernels(ns_exact *f, ns_exact_mode *k) {
+    const ns_exact_mode was = *k;
+    copy_kernels(k, k->other);
+    copy_kernels(k->other, &was);
     f->cache.steps_dropped++;
     f->entered = NULL;
 }
 
+static int is_readable(const ns_exact *f, const ns_exact_mode *fine, const ns_exact_mode *coarse) {
+    return ns_exact_guards_are_readable(f, fine->scale[0].kernel, coarse->scale[0].kernel);
+}
+
 int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
     ns_exact_mode *fine = ns_exact_mode_fine(f, k);
-    if (fine)
-        take_kernels(f, k, fine);
-    return fine != NULL;
+    if (!fine || !is_readable(f, fine, k))
+        return 0;
+    swap_kernels(f, k);
+    return 1;
 }
 
 void ns_exact_mode_coarsen(ns_exact *f, ns_exact_mode *k) {
-    if (!k->resolves || k->shortest >= told_apart(f))
+    if (!k->resolves || !k->other || k == f->state.mode)
         return;
-    ns_exact_mode *coarse = new_mode(k->mode, f->system->m);
-    if (!coarse)
-        return;
-    ns_theta_set_mode(f->s, k->mode);
-    if (build_mode(f, coarse) != NS_OK) {
-        free_mode(coarse);
-        return;
-    }
-    f->cache.bytes += sizeof *coarse + (size_t)f->system->m;
-    take_kernels(f, k, coarse);
+    if (k->shortest < told_apart(f) || !is_readable(f, k, k->other))
+        swap_kernels(f, k);
 }
 
 int ns_exact_mode_find(ns_exact *f, const ns_mode *mode, ns_exact_mode **out) {

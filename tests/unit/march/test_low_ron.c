@@ -75,8 +75,50 @@ static void a_transient_as_short_as_rounding_of_the_time(void **state) {
     close_bench(&b);
 }
 
+/* A SEPIC of 12 V with 408 pF at its switch: v(out) after 80 periods.  *retries: of the run. */
+static double sepic(double ron, long *retries) {
+    enum { IN = 1, GATE, X, Y, OUT };
+    const ns_switch contact = {.vt = 0.5, .ron = ron, .roff = INFINITY};
+    const ns_diode d = {.ron = ron, .roff = INFINITY, .vz = INFINITY};
+    bench b = open_bench();
+    source(&b, "v", IN, 0, dc(12));
+    source(&b, "vg", GATE, 0, pulse(0, 1, 0, 1e-9, 1e-9, 7.7e-6, 1.469e-5));
+    assert_int_equal(ns_circuit_inductor(b.c, "l1", IN, X, 437.3e-6, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_inductor(b.c, "l2", Y, 0, 191e-6, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_switch(b.c, "as", X, 0, GATE, 0, &contact, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "ad1", 0, X, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "cs", X, 0, 408.2e-12, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c1", X, Y, 378.3e-9, 0, NULL), NS_OK);
+    assert_int_equal(ns_circuit_diode(b.c, "ad2", Y, OUT, &d, NULL), NS_OK);
+    assert_int_equal(ns_circuit_capacitor(b.c, "c2", OUT, 0, 373.7e-9, 7.588, NULL), NS_OK);
+    assert_int_equal(ns_circuit_resistor(b.c, "r", OUT, 0, 116.2, NULL), NS_OK);
+    start(&b, 1.469e-5 / 1024);
+    for (double t = 0; t < 80 * 1.469e-5;)
+        t = go(&b, 80 * 1.469e-5, NS_TO_EVENT);
+    const double v = v_of(&b, OUT);
+    *retries = ns_march_counts(b.m)->retries;
+    close_bench(&b);
+    return v;
+}
+
+/* The second diode conducts through a loop of capacitors, in 4e-19 s.  Currents in that time are differences
+ * of charges of 9 uC over 408 pF and 1 nohm: rounding of 1 A.
+ *
+ * Expected: that of ron = 0, as 1 nohm drops some nV.  From circuit sepic 88011000000 of the stress set,
+ * whose transient was followed: the diode began with -0.06 A, which the check finds wrong, 25 times in 80
+ * periods. */
+static void a_transient_whose_currents_are_rounding(void **state) {
+    long retries, of_ideal;
+    (void)state;
+    const double ideal = sepic(0, &of_ideal);
+    near(sepic(1e-9, &retries), ideal, 1e-6);
+    assert_int_equal(of_ideal, 0);
+    assert_int_equal(retries, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_switch_of_microohms_charges_a_capacitor),
-                                       cmocka_unit_test(a_transient_as_short_as_rounding_of_the_time)};
+                                       cmocka_unit_test(a_transient_as_short_as_rounding_of_the_time),
+                                       cmocka_unit_test(a_transient_whose_currents_are_rounding)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
