@@ -103,8 +103,12 @@ void ns_exact_event_note_mended(ns_exact *f, const ns_exact_mode *was, int guard
     f->left.guard = guard;
 }
 
+/* Steps as short as the rounding of the time are known by how long after the event they are, which is exact.
+ */
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return (is_unmended(f, g) ? f->unmended.times : 1) * ns_exact_guard_rounding(f, k, g);
+    const int is_brief = k->h < 16 * ns_exact_rounding_of_time(f);
+    const double rate = is_brief ? 0 : ns_exact_guard_of(k, k->rate, g, f->X);
+    return (is_unmended(f, g) ? f->unmended.times : 1) * ns_exact_guard_rounding_at(f, k, g, f->X, rate);
 }
 
 /* 1 if guard g is below zero, though not by more than tol, what it may be off by on the scale at work: a

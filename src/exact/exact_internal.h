@@ -240,7 +240,8 @@ struct ns_exact {
     ns_mode *command_target; /* nc: mode a flipped command goes to */
     unsigned char *flips;    /* nc: 1: this command by the state flipped in this event */
     int jumped;              /* 1: something did in this event */
-    int resolves;            /* 1: in this event each mode that is tried is resolved */
+    double late; /* s: so long before, at most, guards of the mode asked last that are below zero passed it */
+    int resolves; /* 1: in this event each mode that is tried is resolved */
     struct {
         unsigned char *first, *first_flips; /* nc: point->flip and flips as the event began, */
         ns_mode *first_target;              /* nc: and command_target */

@@ -66,24 +66,25 @@ double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g
     return ns_exact_guard_rounding_at(f, k, g, f->X, ns_exact_guard_of(k, k->rate, g, f->X));
 }
 
-/* The largest of what guards are, of pairs that are open as pair g is, or conduct as it does: the values in
+/* most: the largest of what guards are, of pairs that conduct, and of those that are open: the values in
  * `fine`, or the terms that they are summed from in `coarse`. */
-static double largest_alike(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse,
-                            int g) {
-    double most = 0;
-    for (int i = 0; i < fine->pair_rows; i++)
-        if ((fine->row[i].to == NS_INSIDE) == (fine->row[g].to == NS_INSIDE)) {
-            most = ns_higher(most, fabs(ns_exact_guard_of(fine, fine->value, i, f->X)));
-            most = ns_higher(most, ns_exact_guard_rounding_at(f, coarse, i, f->X, 0) / eps_of_terms);
-        }
-    return most;
+static void find_largest(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse,
+                         double most[2]) {
+    most[0] = most[1] = 0;
+    for (int g = 0; g < fine->pair_rows; g++) {
+        double *of = &most[fine->row[g].to == NS_INSIDE];
+        *of = ns_higher(*of, fabs(ns_exact_guard_of(fine, fine->value, g, f->X)));
+        *of = ns_higher(*of, ns_exact_guard_rounding_at(f, coarse, g, f->X, 0) / eps_of_terms);
+    }
 }
 
 int ns_exact_guards_are_readable(const ns_exact *f, const ns_mode_kernel *fine,
                                  const ns_mode_kernel *coarse) {
-    static const double most = 1e-3;
+    static const double part = 1e-3;
+    double most[2];
+    find_largest(f, fine, coarse, most);
     for (int g = 0; g < fine->pair_rows; g++)
-        if (!(ns_exact_guard_rounding_at(f, fine, g, f->X, 0) <= most * largest_alike(f, fine, coarse, g)))
+        if (!(ns_exact_guard_rounding_at(f, fine, g, f->X, 0) <= part * most[fine->row[g].to == NS_INSIDE]))
             return 0;
     return 1;
 }

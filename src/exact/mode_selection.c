@@ -27,6 +27,36 @@ static void remember_successor(ns_exact_mode *from, ns_exact_mode *to, uint64_t 
     from->successor[0] = (ns_successor){to, undecided};
 }
 
+/* So long ago (s) the last guard of the state's mode that is below zero passed it: not longer than
+ * `known_to`. */
+static double late_by(const ns_exact *f, const ns_mode_kernel *k, double known_to) {
+    double late = 0;
+    for (int g = 0; g < k->pair_rows; g++) {
+        const double value = ns_exact_guard_of(k, k->value, g, f->X);
+        if (k->always_zero[g] || value >= 0)
+            continue;
+        const double rate = ns_exact_guard_of(k, k->rate, g, f->X);
+        if (value < -ns_exact_guard_rounding_at(f, k, g, f->X, 0) && -value <= rate * known_to)
+            late = fmax(late, -value / rate);
+    }
+    return late;
+}
+
+/* The instant of the event is known to event_time_error, and that excuses guards below zero.  They pass it
+ * soon, and X goes on to there: by Newton, from below, as what dies out does. */
+static int begin_at_zero(ns_exact *f) {
+    enum { MOST = 8 };
+    ns_time_scale *scale = &f->state.mode->scale[0];
+    const double error = f->state.event_time_error;
+    double late;
+    int status = NS_OK;
+    for (int i = 0; i < MOST && status == NS_OK && (late = late_by(f, scale->kernel, error)) > 0; i++) {
+        status = ns_exact_step_advance(f, scale, late);
+        ns_clock_advance(&f->state.now, f->state.now.t, late);
+    }
+    return status;
+}
+
 /* The mode, and X_next, become the state's. */
 static void commit_mode(ns_exact *f, ns_exact_mode *k) {
     if (f->state.mode && f->state.mode != k)
@@ -38,6 +68,10 @@ static void commit_mode(ns_exact *f, ns_exact_mode *k) {
     f->state.mode = k;
     f->event_pair = -1;
     k->last_used = ++f->cache.clock;
+    if (f->late > 0 && f->late <= f->state.event_time_error) {
+        const int status = begin_at_zero(f);
+        f->failed = status != NS_OK ? status : f->failed;
+    }
     ns_exact_note_size(f);
 }
 
