@@ -8,6 +8,7 @@
 
 #include "models.h"
 #include "own_elements.h"
+#include "own_open.h"
 
 /* In the order of their ifspec.ifs. */
 enum { SIDIODE_RON, SIDIODE_ROFF, SIDIODE_VFWD, SIDIODE_VREV, SIDIODE_ILIMIT, SIDIODE_REVILIMIT };
@@ -140,8 +141,10 @@ static int read_switch(ns_extract_walk *w, MIFinstance *inst) {
     if (s.ron == s.roff)
         return ns_circuit_resistor(w->ex->circuit, inst->MIFname, port_of(inst, OUTPUT)->pos_node,
                                    port_of(inst, OUTPUT)->neg_node, s.ron, NULL);
-    const int status = by_current ? add_by_current(w, inst, &s, opens, &taken.id)
-                                  : add_by_voltage(w, inst, &s, opens, &taken.id);
+    int status = by_current ? add_by_current(w, inst, &s, opens, &taken.id)
+                            : add_by_voltage(w, inst, &s, opens, &taken.id);
+    if (!by_current && status == NS_OK)
+        status = ns_bridge_own_hold_open(w, taken.between.pos, taken.between.neg, &taken);
     return status ? status : ns_bridge_own_keep(w, &taken);
 }
 

@@ -2,6 +2,7 @@
  * ngspice has such a node at 0 V.  A resistor to ground does not carry a current there, and says the same. */
 #include "own_open.h"
 
+#include "own_models.h"
 #include "own_touch.h"
 #include "report.h"
 
@@ -39,12 +40,23 @@ static int is_known(const ns_extract *ex, int k, int end) {
     return end == 1 && ex->own[k].open[0] == name;
 }
 
+/* As the user wrote it. */
+static void name_of(const ns_own_taken *o, char *name, size_t size) {
+    if (o->kind == OWN_PSWITCH)
+        ns_bridge_own_models_name((const MIFinstance *)o->inst, name, size);
+    else
+        snprintf(name, size, "%s", o->inst->GENname);
+}
+
 void ns_bridge_own_announce_open(const ns_extract *ex) {
     for (int k = 0; k < ex->nowns; k++)
-        for (int end = 0; end < 2; end++)
-            if (ex->own[k].open[end] && !is_known(ex, k, end))
-                ns_bridge_report_note(
-                    "node %s: the control of %s is connected to nothing else there: it is at "
-                    "0 V, as ngspice has it",
-                    ex->own[k].open[end], ex->own[k].inst->GENname);
+        for (int end = 0; end < 2; end++) {
+            char name[EXTRACT_NAME];
+            if (!ex->own[k].open[end] || is_known(ex, k, end))
+                continue;
+            name_of(&ex->own[k], name, sizeof name);
+            ns_bridge_report_note("node %s: the control of %s is connected to nothing else there: it is at "
+                                  "0 V, as ngspice has it",
+                                  ex->own[k].open[end], name);
+        }
 }

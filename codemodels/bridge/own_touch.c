@@ -1,21 +1,32 @@
 /* bridge/own_touch.c - which elements may carry a current into a node. */
 #include "own_touch.h"
 
+#include <string.h>
+
+#include "foreign.h"
 #include "models.h"
 #include "own_mosfet.h"
 
 enum { MOST_TERMINALS = 4 };
 
-/* A port of a code model. */
-static int port_touches(const Mif_Port_Data_t *port, int node) {
-    return !port->is_null && port->type != MIF_DIGITAL && port->type != MIF_USER_DEFINED &&
-           (port->smp_data.pos_node == node || port->smp_data.neg_node == node);
+/* A port of a code model: what reads a voltage carries no current. */
+static int port_touches(const Mif_Conn_Data_t *conn, const Mif_Port_Data_t *port, int node) {
+    const int is_voltage = port->type == MIF_VOLTAGE || port->type == MIF_DIFF_VOLTAGE;
+    const int carries =
+        port->type != MIF_DIGITAL && port->type != MIF_USER_DEFINED && (conn->is_output || !is_voltage);
+    return carries && !port->is_null && (port->smp_data.pos_node == node || port->smp_data.neg_node == node);
+}
+
+/* 1 if its first port is the control of a switch with VON, VOFF: an output, but of no current. */
+static int has_control(const MIFinstance *inst) {
+    const char *model = ns_bridge_foreign_model(inst);
+    return model && strcmp(model, "pswitch") == 0;
 }
 
 static int model_touches(const MIFinstance *inst, int node) {
-    for (int c = 0; c < inst->num_conn; c++)
+    for (int c = has_control(inst) ? 1 : 0; c < inst->num_conn; c++)
         for (int k = 0; k < inst->conn[c]->size && !inst->conn[c]->is_null; k++)
-            if (port_touches(inst->conn[c]->port[k], node))
+            if (port_touches(inst->conn[c], inst->conn[c]->port[k], node))
                 return 1;
     return 0;
 }
