@@ -150,8 +150,8 @@ static void announce_default(const ns_analysis *a, int k) {
     ns_bridge_own_read_diode(o->inst, &d);
     if (d.is_default)
         ns_bridge_report_note(
-            "D of model %s: none of is, n, rs is given, so it is ngspice's default diode; "
-            "Ron, Roff, Vfwd, Vrev, if given, count with a line `set ngbehavior=ltpsa` in .spiceinit",
+            "D of model %s: none of is, n, rs is given, so it is ngspice's default diode "
+            "(which leaves out Ron, Roff, Vfwd, Vrev without a line `set ngbehavior=ltpsa` in .spiceinit)",
             model_name(o));
 }
 
