@@ -168,6 +168,13 @@ typedef struct ns_own_taken {
         int held;                        /* V hold the end that its current flows to */
         double off, of, all_off, all_of; /* as those of seen, in A or V */
     } closed_way[2];
+    struct {                   /* own_weak.c, of M: */
+        double rate, most;     /* V/s at which its gate came to vto; A, the largest since it closed */
+        int opened;            /* at the point before: how fast its gate goes on is not known yet */
+        double seconds, all;   /* for how long its own model alone would carry a current, and in all */
+        double longest;        /* s of these, at once; of that: */
+        double volts, amperes; /* from how many V below vto on, and which current, A */
+    } weak;
     double vt;                 /* of a switch with VON, VOFF; */
     struct {                   /* own_between.c, of it: */
         int pos, neg;          /* equations: its control is the difference */

@@ -13,6 +13,7 @@
 #include "own_structs.h"
 #include "own_supply.h"
 #include "own_touch.h"
+#include "own_weak.h"
 #include "report.h"
 
 /* A difference that counts, of the largest voltage across the device. */
@@ -124,6 +125,7 @@ static void count_channel(const CKTcircuit *ckt, ns_analysis *a, ns_own_taken *o
         ns_bridge_own_count_overlap(ckt, a, o, above, t);
     o->seen.closed += above > 0.0 && o->seen.above > 0.0 ? fmax(seconds, 0.0) : 0.0;
     o->seen.openings += above <= 0.0 && o->seen.above > 0.0 && seconds >= 0.0 ? 1.0 : 0.0;
+    ns_bridge_own_count_weak(o, i, above, seconds);
     o->seen.above = above;
     o->seen.off = off;
     o->seen.of = of;
@@ -391,6 +393,6 @@ int ns_bridge_own_note_curve(const CKTcircuit *ckt, const ns_analysis *a) {
     const int by_stored = ns_bridge_own_note_stored(a), by_moved = ns_bridge_own_note_moved(a);
     const int by_gate = ns_bridge_own_note_overlap(a) || note_charge(a);
     const int by_ring = ns_bridge_own_note_ring(a), by_supply = ns_bridge_own_note_supply(a);
-    const int by_control = ns_bridge_own_note_between(a);
+    const int by_control = ns_bridge_own_note_between(a) || ns_bridge_own_note_weak(a);
     return by_law || by_stored || by_moved || by_gate || by_ring || by_supply || by_control;
 }
