@@ -12,7 +12,7 @@
 /* That part of the time is long. */
 static const double is_long = 0.005;
 
-/* So near the threshold, of the drive beyond it, a point is a side of the event there. */
+/* Of the drive beyond the threshold. */
 static const double at_threshold = 1e-3;
 
 /* V: how far below vto its own channel carries the largest current since it closed; 0: it does not. */
@@ -25,12 +25,18 @@ static double time_below(const ns_own_taken *o, double rate) {
     return rate > 0.0 ? volts_below(o) / rate : 0.0;
 }
 
+/* V: as near to it a point is a side of an event at vto. */
+static double beside(const ns_own_taken *o) {
+    return at_threshold * (o->drive - o->mosfet.vth);
+}
+
 /* V/s: at which v(gate,source) comes to this point from the one before, or came to that one, where both are
  * sides of the event at vto. */
 static double rate_of(const ns_own_taken *o, double above, double seconds) {
-    const double near = at_threshold * (o->drive - o->mosfet.vth);
-    const int is_side = fabs(above) < near && fabs(o->seen.above) < near;
-    return !is_side && seconds > 0.0 ? (above - o->seen.above) / seconds : o->weak.rate;
+    const double by = above - o->seen.above;
+    if (fabs(above) < beside(o) && fabs(o->seen.above) < beside(o))
+        return o->weak.rate;
+    return seconds > 0.0 ? by / seconds : copysign(INFINITY, by); /* it jumps */
 }
 
 static void add(ns_own_taken *o, double rate) {
@@ -55,14 +61,13 @@ void ns_bridge_own_count_weak(ns_own_taken *o, double i, double above, double se
         o->weak.most = fmax(o->weak.most, i);
     if (!is_closed && was_closed) {
         add(o, o->weak.rate);
-        o->weak.opened = 1;
+        o->weak.opened = above > -beside(o);
         o->weak.rate = 0.0;
     } else if (!is_closed && seconds > 0.0) {
-        const double rate = rate_of(o, above, seconds);
+        o->weak.rate = rate_of(o, above, seconds);
         if (o->weak.opened)
-            add(o, -rate);
-        o->weak.opened = o->weak.opened && rate == 0.0;
-        o->weak.rate = rate;
+            add(o, -o->weak.rate);
+        o->weak.opened = o->weak.opened && above > -beside(o);
     }
     o->weak.all += seconds;
 }
