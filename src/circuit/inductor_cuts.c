@@ -105,6 +105,18 @@ static int holds_at_start(const ns_circuit *c, int edge, const ns_inductor_cuts 
     return fabs(sum) <= rounding * size;
 }
 
+/* 1 if a node with an .ic lies beyond the cut from ground: while that holds it, a current may enter there
+ * that the inductors carry to ground, and some of their flux would be lost.  The forest is cut at `edge`. */
+static int is_fed(const forest *f) {
+    const ns_circuit *c = f->c;
+    const int ground = ns_system_union_top(f->joined, ns_system_union_top(f->part, c->nused));
+    for (int k = 0; k < c->nnodes; k++)
+        if (c->node[k].used && !isnan(c->node[k].ic) &&
+            ns_system_union_top(f->joined, ns_system_union_top(f->part, c->node[k].unknown)) != ground)
+            return 1;
+    return 0;
+}
+
 static void join_groups(const forest *f, const ns_inductor_cuts *cuts) {
     const ns_circuit *c = f->c;
     ns_system_union_begin(f->group, c->nelements);
@@ -135,6 +147,8 @@ static int list_cuts(const forest *f, ns_inductor_cuts *cuts) {
         cuts->count[k] = list_cut(f, k, cuts->of + next, cuts->sign + next);
         if (cuts->count[k] > MOST || !holds_at_start(f->c, k, cuts))
             return 0;
+        if (is_fed(f))
+            cuts->count[k] = 0;
         next += cuts->count[k];
     }
     return groups_are_small(f, cuts);

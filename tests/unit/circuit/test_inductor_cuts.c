@@ -94,6 +94,23 @@ static void fluxes_that_do_not_add_up_are_kept(void **state) {
 /* Coupled windings: L i' = V - v, and the sum of the currents is zero: v = (1'L^-1 V)/(1'L^-1 1).  k = 0.5
  * between 1 mH and 4 mH: M = 1 mH; L^-1 = [4 -1; -1 1]/3 mH; with the third, of 5 mH:
  * 1'L^-1 V = (3*1 + 0*2)/3 + 3/5 = 1.6, 1'L^-1 1 = 1 + 0.2. */
+/* A node with an .ic beyond the star: what holds it may let a current into the star, so each winding keeps
+ * its own flux.  Its .ic on the side of ground changes nothing. */
+static void a_held_node_feeds_the_star(void **state) {
+    static const int at[] = {STAR, 100};
+    const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_EXACT, .whole = 1};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        int id[3];
+        rig r = begin();
+        add_windings(&r, 3, three_henries, three_amperes, id);
+        ok(ns_circuit_node_ic(r.c, at[k], 10));
+        make_by(&r, &o);
+        assert_int_equal(any_is_written_by_others(&r, 3, id), k);
+        end(&r);
+    }
+}
+
 static void coupled_windings(void **state) {
     static const double henries[] = {1e-3, 4e-3, 5e-3};
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_SPARSE, .whole = 1};
@@ -179,6 +196,7 @@ static void parts_in_a_row(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(star_in_steps_of_any_length),
                                        cmocka_unit_test(fluxes_that_do_not_add_up_are_kept),
+                                       cmocka_unit_test(a_held_node_feeds_the_star),
                                        cmocka_unit_test(coupled_windings),
                                        cmocka_unit_test(a_choke_without_flux),
                                        cmocka_unit_test(where_it_cannot_be),
