@@ -60,3 +60,13 @@ double ns_bridge_models_given(const MIFinstance *inst, int parameter) {
 const char *ns_bridge_models_text(const MIFinstance *inst, int parameter) {
     return inst->param[parameter]->is_null ? NULL : inst->param[parameter]->element[0].svalue;
 }
+
+void ns_bridge_models_own_name(const MIFinstance *inst, char *name, size_t size) {
+    const char *made = inst->MIFname, *dot = strrchr(made, '.');
+    const char *own = dot ? dot + 1 : made;
+    if (own[0] == 'a' && own[1] && strchr("dsw", own[1]))
+        snprintf(name, size, "%.*s%.*s%s", dot != NULL, own + 1, dot ? (int)(own - made) - 1 : 0, made + 1,
+                 own + 1);
+    else
+        snprintf(name, size, "%s", made);
+}

@@ -65,4 +65,7 @@ double ns_bridge_models_ohms(const MIFinstance *inst, int parameter);
 double ns_bridge_models_given(const MIFinstance *inst, int parameter);
 const char *ns_bridge_models_text(const MIFinstance *inst, int parameter);
 
+/* The name that the user wrote of what ngspice made a code model of: as1 was s1, a.x1.as1 was s.x1.s1. */
+void ns_bridge_models_own_name(const MIFinstance *inst, char *name, size_t size);
+
 #endif

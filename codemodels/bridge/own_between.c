@@ -6,7 +6,8 @@
 
 #include <math.h>
 
-#include "own_models.h"
+#include "extract_walk.h"
+#include "models.h"
 #include "report.h"
 
 /* That part of the time is long; that part of the largest current or voltage is much. */
@@ -69,7 +70,7 @@ int ns_bridge_own_note_between(const ns_analysis *a) {
     }
     if (worst) {
         char name[EXTRACT_NAME];
-        ns_bridge_own_models_name((const MIFinstance *)worst->inst, name, sizeof name);
+        ns_bridge_models_own_name((const MIFinstance *)worst->inst, name, sizeof name);
         ns_bridge_report_note(
             "%s: its control was between %.4g and %.4g for %.2g of the time, where its own "
             "model is a resistor of some value in between; here it changes at once at %.4g, "

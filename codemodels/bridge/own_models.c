@@ -18,20 +18,10 @@ enum { CONTROL, OUTPUT };
 
 static const double infinite = 1e29; /* as of its own limits */
 
-void ns_bridge_own_models_name(const MIFinstance *inst, char *name, size_t size) {
-    const char *made = inst->MIFname, *dot = strrchr(made, '.');
-    const char *own = dot ? dot + 1 : made;
-    if (own[0] == 'a' && own[1] && strchr("dsw", own[1]))
-        snprintf(name, size, "%.*s%.*s%s", dot != NULL, own + 1, dot ? (int)(own - made) - 1 : 0, made + 1,
-                 own + 1);
-    else
-        snprintf(name, size, "%s", made);
-}
-
 /* Refuses it by the name that the user wrote. */
 static int refuse(ns_extract_walk *w, const MIFinstance *inst, const char *what) {
     char name[EXTRACT_NAME];
-    ns_bridge_own_models_name(inst, name, sizeof name);
+    ns_bridge_models_own_name(inst, name, sizeof name);
     ns_bridge_extract_line(w->ex, E_UNSUPP, name, what);
     return EXTRACT_REFUSED;
 }

@@ -8,7 +8,4 @@
 /* 1 if `model` is one of them; *status is what its reader says. */
 int ns_bridge_own_models(ns_extract_walk *w, MIFinstance *inst, const char *model, int *status);
 
-/* The name that the user wrote: as1 was s1, a.x1.as1 was s.x1.s1. */
-void ns_bridge_own_models_name(const MIFinstance *inst, char *name, size_t size);
-
 #endif

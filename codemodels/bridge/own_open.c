@@ -2,7 +2,7 @@
  * ngspice has such a node at 0 V.  A resistor to ground does not carry a current there, and says the same. */
 #include "own_open.h"
 
-#include "own_models.h"
+#include "models.h"
 #include "own_touch.h"
 #include "report.h"
 
@@ -43,7 +43,7 @@ static int is_known(const ns_extract *ex, int k, int end) {
 /* As the user wrote it. */
 static void name_of(const ns_own_taken *o, char *name, size_t size) {
     if (o->kind == OWN_PSWITCH)
-        ns_bridge_own_models_name((const MIFinstance *)o->inst, name, size);
+        ns_bridge_models_own_name((const MIFinstance *)o->inst, name, size);
     else
         snprintf(name, size, "%s", o->inst->GENname);
 }
