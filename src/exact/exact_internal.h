@@ -211,6 +211,7 @@ struct ns_exact {
     ns_exact_state state; /* mode, time, last event */
     double *X;            /* q: charges and fluxes w, then inputs v; not the impulse X of (J1) */
     double *max_abs;      /* r: the largest |w| so far */
+    double highest;       /* V: the largest voltage of a pair that was open as a mode began */
     double *ohm;          /* m: what a pair's current drops, 1 A; 0 where lambda is a signal: a kink */
     ns_exact_past past, accepted; /* of the trial; of the accepted point */
     ns_counts counts;             /* what it cost so far */

@@ -66,25 +66,40 @@ double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g
     return ns_exact_guard_rounding_at(f, k, g, f->X, ns_exact_guard_of(k, k->rate, g, f->X));
 }
 
-/* most: the largest of what guards are, of pairs that conduct, and of those that are open: the values in
- * `fine`, or the terms that they are summed from in `coarse`. */
-static void find_largest(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse,
-                         double most[2]) {
-    most[0] = most[1] = 0;
+void ns_exact_guards_note(ns_exact *f, const ns_mode_kernel *k) {
+    for (int g = 0; g < k->pair_rows; g++)
+        if (k->row[g].to == NS_INSIDE)
+            f->highest = ns_higher(f->highest, fabs(f->work.values[g]));
+}
+
+/* A: the largest of conducting pairs, or of the terms that it is summed from in `coarse`, as what flows
+ * elsewhere counts too. */
+static double largest_current(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse) {
+    double most = 0;
     for (int g = 0; g < fine->pair_rows; g++) {
-        double *of = &most[fine->row[g].to == NS_INSIDE];
-        *of = ns_higher(*of, fabs(ns_exact_guard_of(fine, fine->value, g, f->X)));
-        *of = ns_higher(*of, ns_exact_guard_rounding_at(f, coarse, g, f->X, 0) / eps_of_terms);
+        if (fine->row[g].to == NS_INSIDE)
+            continue;
+        most = ns_higher(most, fabs(ns_exact_guard_of(fine, fine->value, g, f->X)));
+        most = ns_higher(most, ns_exact_guard_rounding_at(f, coarse, g, f->X, 0) / eps_of_terms);
     }
+    return most;
+}
+
+static double highest_voltage(const ns_exact *f, const ns_mode_kernel *fine) {
+    double most = f->highest;
+    for (int g = 0; g < fine->pair_rows; g++)
+        if (fine->row[g].to == NS_INSIDE)
+            most = ns_higher(most, fabs(ns_exact_guard_of(fine, fine->value, g, f->X)));
+    return most;
 }
 
 int ns_exact_guards_are_readable(const ns_exact *f, const ns_mode_kernel *fine,
                                  const ns_mode_kernel *coarse) {
     static const double part = 1e-3;
-    double most[2];
-    find_largest(f, fine, coarse, most);
+    const double volts = part * highest_voltage(f, fine), amperes = part * largest_current(f, fine, coarse);
     for (int g = 0; g < fine->pair_rows; g++)
-        if (!(ns_exact_guard_rounding_at(f, fine, g, f->X, 0) <= part * most[fine->row[g].to == NS_INSIDE]))
+        if (!(ns_exact_guard_rounding_at(f, fine, g, f->X, 0) <=
+              (fine->row[g].to == NS_INSIDE ? volts : amperes)))
             return 0;
     return 1;
 }

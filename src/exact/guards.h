@@ -45,8 +45,11 @@ double ns_exact_rounding_of_time(const ns_exact *f);
 double ns_exact_guard_lasts(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X, double rate);
 double ns_exact_guard_time_rounding(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                     double rate);
-/* 1 if every pair's guard in kernel `fine` is known to 1e-3 of the largest current or voltage of any, at f->X
- * or in `coarse`, of the same mode: else what `fine` resolves is rounding. */
+/* f->highest: by the values of guards that kernel k had last (work.values). */
+void ns_exact_guards_note(ns_exact *f, const ns_mode_kernel *k);
+/* 1 if voltages of open pairs in kernel `fine` are known to 1e-3 of the highest so far or at f->X, and
+ * currents of others to as much of the largest, at f->X or in `coarse`, of the same mode: else what `fine`
+ * resolves is rounding. */
 int ns_exact_guards_are_readable(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse);
 /* All guards at X: value (2 rows), behind them their rates; tol (rows): what they may be off by, with the
  * error of the event's time. */

@@ -73,6 +73,8 @@ static void commit_mode(ns_exact *f, ns_exact_mode *k) {
         f->failed = status != NS_OK ? status : f->failed;
     }
     ns_exact_note_size(f);
+    if (!k->resolves) /* what dies out on the way is not noted */
+        ns_exact_guards_note(f, k->scale[0].kernel);
 }
 
 /* Commanded pairs in mode a are as they are in mode b. */
@@ -309,6 +311,7 @@ int ns_exact_select_start(ns_exact *f, int guess) {
     int goes_on = 0, status = NS_GUARD;
     f->state.mode = NULL;
     f->resolves = 0;
+    f->highest = 0;
     ns_exact_event_known_to(f, 0);
     ns_exact_event_is_of(f, -1);
     read_inputs_after(f);
