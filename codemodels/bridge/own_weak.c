@@ -87,8 +87,8 @@ int ns_bridge_own_note_weak(const ns_analysis *a) {
     if (worst.inst)
         ns_bridge_report_note(
             "%s: its own model carries its %.2g A from %.2g V below vto on (ksubthres), and its gate was "
-            "between "
-            "these for %.2g of the time; here it changes at vto, and the result may be another one: with vto "
+            "between these for %.2g of the time; here it changes at vto, and the result may be another one: "
+            "with vto "
             "lower by that in its model it changes there",
             worst.inst->GENname, worst.weak.amperes, worst.weak.volts, most);
     return worst.inst != NULL;

@@ -96,8 +96,7 @@ struct ns_exact_mode {
                         infinite one */
     int resolves;    /* 1: these are resolved, as far as t tells them apart */
     double shortest; /* s: the first of what is resolved has died out after this */
-    ns_exact_mode
-        *other; /* the same mode with these resolved, or not, as this one does not; NULL: not needed yet */
+    ns_exact_mode *other; /* the same mode, resolved if this is not, or else not; NULL: not needed yet */
     ns_time_scale scale[NS_TIME_SCALES];   /* fastest first */
     ns_successor successor[NS_SUCCESSORS]; /* most recent first; NULL: no more */
     ns_exact_mode *next_in_bucket;
@@ -241,8 +240,8 @@ struct ns_exact {
     ns_mode *command_target; /* nc: mode a flipped command goes to */
     unsigned char *flips;    /* nc: 1: this command by the state flipped in this event */
     int jumped;              /* 1: something did in this event */
-    double late; /* s: so long before, at most, guards of the mode asked last that are below zero passed it */
-    int resolves; /* 1: in this event each mode that is tried is resolved */
+    double late;             /* s: so long ago a guard of the mode asked last passed zero, at most */
+    int resolves;            /* 1: in this event each mode that is tried is resolved */
     struct {
         unsigned char *first, *first_flips; /* nc: point->flip and flips as the event began, */
         ns_mode *first_target;              /* nc: and command_target */

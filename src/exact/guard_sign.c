@@ -89,12 +89,22 @@ ns_guard_sign ns_exact_guard_sign(ns_exact *f, ns_exact_mode *mode, int g, const
     return sign == NS_UNDECIDED ? look_ahead(f, mode, g, X) : sign;
 }
 
+static void forget_judgement(ns_exact *f) {
+    f->undecided = f->overruled = 0;
+    f->late = 0;
+}
+
+/* A guard below zero, of this value and rate, passed that so long ago. */
+static void note_late(ns_exact *f, const ns_mode_kernel *k, int g, double value, double rate) {
+    if (value < 0 && rate > 0 && value < -ns_exact_guard_rounding_at(f, k, g, f->X_next, 0))
+        f->late = ns_higher(f->late, -value / rate);
+}
+
 static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evidence, uint64_t undecided) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     ns_mode_verdict verdict = NS_VERDICT_HOLDS;
-    f->undecided = f->overruled = 0;
-    f->late = 0;
+    forget_judgement(f);
     const int jumps = ns_exact_enter(f, k);
     if (jumps && evidence != NS_EVIDENCE_IMPULSES && !ns_exact_enter_fits(f, kernel))
         return NS_VERDICT_NO;
@@ -108,9 +118,7 @@ static ns_mode_verdict judge_mode(ns_exact *f, ns_exact_mode *k, ns_evidence evi
         const int assumed = evidence != NS_EVIDENCE_NONE || (undecided & ns_exact_bit_of(g));
         f->undecided |= sign == NS_UNDECIDED ? ns_exact_bit_of(g) : 0;
         f->overruled |= sign == NS_SIGN_SEEMS_TO_BREAK ? ns_exact_bit_of(g) : 0;
-        if (value[g] < 0 && value[kernel->rows + g] > 0 &&
-            value[g] < -ns_exact_guard_rounding_at(f, kernel, g, f->X_next, 0))
-            f->late = ns_higher(f->late, -value[g] / value[kernel->rows + g]);
+        note_late(f, kernel, g, value[g], value[kernel->rows + g]);
         if (sign == NS_SIGN_BREAKS || (sign == NS_SIGN_SEEMS_TO_BREAK && sure) ||
             (sign == NS_UNDECIDED && !assumed)) {
             if (!jumps || evidence != NS_EVIDENCE_STEP || !ns_exact_enter_carries(f, kernel, g))
@@ -168,28 +176,34 @@ static int holds_for_an_instant(ns_exact *f, ns_exact_mode *k, ns_evidence evide
     return holds;
 }
 
-/* The sum of the first `terms` of (E1) of guard g: of the images under D^0 ... */
-static double sum_of_terms(const ns_mode_kernel *k, int g, int terms, const double *X) {
-    double sum = 0;
-    for (int j = 0; j < k->q; j++)
-        for (int i = 0; i < terms; i++)
-            sum += k->guard_powers[i * k->rows + g + j * NS_ORDER * k->rows] * X[j];
-    return sum;
-}
-
 /* 1 if a guard of mode k, which holds at f->X_next without a jump, is below zero once what dies out as if in
  * an instant has: terms of (E1) have it without that, the value at tau = 0 with it. */
 static int breaks_when_it_is_over(const ns_exact *f, const ns_exact_mode *k) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     for (int g = 0; g < kernel->pair_rows && k->hides && !k->resolves; g++) {
-        if (kernel->always_zero[g] || sum_of_terms(kernel, g, 1, f->X_next) >= 0)
+        double sum = ns_exact_guard_term(kernel, g, 0, kernel->q, f->X_next);
+        if (kernel->always_zero[g] || sum >= 0)
             continue;
+        for (int i = 1; i < NS_ORDER; i++)
+            sum += ns_exact_guard_term(kernel, g, i, kernel->q, f->X_next);
         const double noise = ns_exact_guard_rounding_at(f, kernel, g, f->X_next, 0);
-        if (sum_of_terms(kernel, g, NS_ORDER, f->X_next) < -noise &&
-            ns_exact_guard_of(kernel, kernel->value, g, f->X_next) > noise)
+        if (sum < -noise && ns_exact_guard_of(kernel, kernel->value, g, f->X_next) > noise)
             return 1;
     }
     return 0;
+}
+
+/* The verdict on mode k, which is entered without a jump: where what it hides decides, that is resolved. */
+static ns_mode_verdict judge_without_jump(ns_exact *f, ns_exact_mode *k, ns_evidence evidence,
+                                          uint64_t undecided, ns_mode_verdict verdict) {
+    const int goes_on = f->state.mode && f->state.mode->resolves; /* what the mode before follows */
+    const int decides = verdict == NS_VERDICT_HOLDS ? breaks_when_it_is_over(f, k) : goes_on;
+    if (decides && ns_exact_mode_resolve(f, k))
+        return judge_mode(f, k, evidence, undecided);
+    return verdict == NS_VERDICT_NO && evidence == NS_EVIDENCE_STEP && f->state.mode &&
+                   holds_for_an_instant(f, k, evidence)
+               ? NS_VERDICT_JUMPS
+               : verdict;
 }
 
 /* A jump that has a finite rate is resolved where pairs may open and close on its way: another mode follows
@@ -202,19 +216,8 @@ ns_mode_verdict ns_exact_mode_holds(ns_exact *f, ns_exact_mode *k, ns_evidence e
     ns_mode_verdict verdict = judge_mode(f, k, evidence, undecided);
     if (!k->hides || k->resolves)
         return verdict;
-    if (!f->entered && verdict == NS_VERDICT_HOLDS)
-        return breaks_when_it_is_over(f, k) && ns_exact_mode_resolve(f, k)
-                   ? judge_mode(f, k, evidence, undecided)
-                   : verdict;
-    if (!f->entered) {
-        const int goes_on = f->state.mode && f->state.mode->resolves; /* what the mode before follows */
-        if (verdict == NS_VERDICT_NO && goes_on && ns_exact_mode_resolve(f, k))
-            return judge_mode(f, k, evidence, undecided);
-        return verdict == NS_VERDICT_NO && evidence == NS_EVIDENCE_STEP && f->state.mode &&
-                       holds_for_an_instant(f, k, evidence)
-                   ? NS_VERDICT_JUMPS
-                   : verdict;
-    }
+    if (!f->entered)
+        return judge_without_jump(f, k, evidence, undecided, verdict);
     if (f->state.mode && !takes_time(f, k)) {
         if (verdict == NS_VERDICT_NO)
             return verdict;
@@ -234,8 +237,7 @@ int ns_exact_mode_holds_clearly(ns_exact *f, ns_exact_mode *k) {
     double *value = f->work.values, *tol = value + 2 * kernel->rows;
     if (ns_exact_enter(f, k))
         return 0;
-    f->undecided = f->overruled = 0;
-    f->late = 0;
+    forget_judgement(f);
     ns_exact_guard_values(f, kernel, f->X_next, value, tol);
     for (int g = 0; g < kernel->pair_rows; g++)
         if (!kernel->always_zero[g] && !(value[g] > tol[g]))

@@ -66,12 +66,6 @@ double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g
     return ns_exact_guard_rounding_at(f, k, g, f->X, ns_exact_guard_of(k, k->rate, g, f->X));
 }
 
-void ns_exact_guards_note(ns_exact *f, const ns_mode_kernel *k) {
-    for (int g = 0; g < k->pair_rows; g++)
-        if (k->row[g].to == NS_INSIDE)
-            f->highest = ns_higher(f->highest, fabs(f->work.values[g]));
-}
-
 /* A: the largest of conducting pairs, or of the terms that it is summed from in `coarse`, as what flows
  * elsewhere counts too. */
 static double largest_current(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse) {
@@ -93,9 +87,9 @@ static double highest_voltage(const ns_exact *f, const ns_mode_kernel *fine) {
     return most;
 }
 
-int ns_exact_guards_are_readable(const ns_exact *f, const ns_mode_kernel *fine,
-                                 const ns_mode_kernel *coarse) {
+int ns_exact_guards_are_readable(const ns_exact *f, const ns_exact_mode *resolved, const ns_exact_mode *of) {
     static const double part = 1e-3;
+    const ns_mode_kernel *fine = resolved->scale[0].kernel, *coarse = of->scale[0].kernel;
     const double volts = part * highest_voltage(f, fine), amperes = part * largest_current(f, fine, coarse);
     for (int g = 0; g < fine->pair_rows; g++)
         if (!(ns_exact_guard_rounding_at(f, fine, g, f->X, 0) <=

@@ -35,6 +35,16 @@ static inline double ns_exact_guard_of(const ns_mode_kernel *k, const double *ro
     return sum;
 }
 
+/* Term i of (E1) of guard g, by the first `entries` of X: of term 0 alone, its value after the Euler step. */
+static inline double ns_exact_guard_term(const ns_mode_kernel *k, int g, int i, int entries,
+                                         const double *X) {
+    const double *rows = k->guard_powers + (size_t)i * (size_t)k->rows + (size_t)g;
+    double sum = 0;
+    for (int j = 0; j < entries; j++)
+        sum += rows[(size_t)j * (size_t)(NS_ORDER * k->rows)] * X[j];
+    return sum;
+}
+
 /* What guard g may be off by at f->X; at any X, its rate being known. */
 double ns_exact_guard_rounding(const ns_exact *f, const ns_mode_kernel *k, int g);
 double ns_exact_guard_rounding_at(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
@@ -45,12 +55,10 @@ double ns_exact_rounding_of_time(const ns_exact *f);
 double ns_exact_guard_lasts(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X, double rate);
 double ns_exact_guard_time_rounding(const ns_exact *f, const ns_mode_kernel *k, int g, const double *X,
                                     double rate);
-/* f->highest: by the values of guards that kernel k had last (work.values). */
-void ns_exact_guards_note(ns_exact *f, const ns_mode_kernel *k);
-/* 1 if voltages of open pairs in kernel `fine` are known to 1e-3 of the highest so far or at f->X, and
- * currents of others to as much of the largest, at f->X or in `coarse`, of the same mode: else what `fine`
- * resolves is rounding. */
-int ns_exact_guards_are_readable(const ns_exact *f, const ns_mode_kernel *fine, const ns_mode_kernel *coarse);
+/* 1 if a mode that is resolved can be read there: voltages of open pairs are known to 1e-3 of the highest so
+ * far or at f->X, currents of others to 1e-3 of the largest at f->X or in mode `of`, the same one not
+ * resolved. */
+int ns_exact_guards_are_readable(const ns_exact *f, const ns_exact_mode *resolved, const ns_exact_mode *of);
 /* All guards at X: value (2 rows), behind them their rates; tol (rows): what they may be off by, with the
  * error of the event's time. */
 void ns_exact_guard_values(ns_exact *f, const ns_mode_kernel *k, const double *X, double *value, double *tol);

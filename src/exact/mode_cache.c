@@ -318,13 +318,9 @@ static void swap_kernels(ns_exact *f, ns_exact_mode *k) {
     f->entered = NULL;
 }
 
-static int is_readable(const ns_exact *f, const ns_exact_mode *fine, const ns_exact_mode *coarse) {
-    return ns_exact_guards_are_readable(f, fine->scale[0].kernel, coarse->scale[0].kernel);
-}
-
 int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
     ns_exact_mode *fine = ns_exact_mode_fine(f, k);
-    if (!fine || !is_readable(f, fine, k))
+    if (!fine || !ns_exact_guards_are_readable(f, fine, k))
         return 0;
     swap_kernels(f, k);
     return 1;
@@ -333,7 +329,7 @@ int ns_exact_mode_resolve(ns_exact *f, ns_exact_mode *k) {
 void ns_exact_mode_coarsen(ns_exact *f, ns_exact_mode *k) {
     if (!k->resolves || !k->other || k == f->state.mode)
         return;
-    if (k->shortest < told_apart(f) || !is_readable(f, k, k->other))
+    if (k->shortest < told_apart(f) || !ns_exact_guards_are_readable(f, k, k->other))
         swap_kernels(f, k);
 }
 

@@ -158,14 +158,6 @@ void ns_exact_enter_remove_drift(ns_exact *f) {
         ns_exact_take_next(f);
 }
 
-/* Guard g at the end of the Euler step from so many entries of X. */
-static double guard_after_step(const ns_mode_kernel *k, int g, int entries, const double *X) {
-    double sum = 0;
-    for (int i = 0; i < entries; i++)
-        sum += k->guard_powers[(size_t)g + (size_t)i * (size_t)(NS_ORDER * k->rows)] * X[i];
-    return sum;
-}
-
 /* What the resistances of pairs drop at most, as what jumps flows through them in the Euler step. */
 static double largest_drop(const ns_exact *f, const ns_mode_kernel *k) {
     const size_t n = (size_t)f->system->n, m = (size_t)f->system->m;
@@ -222,13 +214,13 @@ static double least_impulse(const ns_exact *f, const ns_mode_kernel *k, int g) {
 /* 1 if the impulse of guard g, of the wrong sign, is none: it is outweighed by what flows besides in the same
  * Euler step, and its pair was at its corner, or blocks beside resistances that drop as much. */
 static int is_no_impulse(const ns_exact *f, const ns_mode_kernel *k, int g) {
-    return guard_after_step(k, g, k->q, f->X) >= 0 && (leaves_corner(f, k, g) || blocks(f, k, g));
+    return ns_exact_guard_term(k, g, 0, k->q, f->X) >= 0 && (leaves_corner(f, k, g) || blocks(f, k, g));
 }
 
 int ns_exact_enter_fits(ns_exact *f, const ns_mode_kernel *k) {
     int fits = 1;
     for (int g = 0; g < k->pair_rows; g++)
-        f->work.impulse[g] = guard_after_step(k, g, k->r, f->work.gone);
+        f->work.impulse[g] = ns_exact_guard_term(k, g, 0, k->r, f->work.gone);
     for (int g = 0; g < k->pair_rows && fits; g++)
         if (f->work.impulse[g] < 0 && f->work.impulse[g] < -least_impulse(f, k, g))
             fits = is_no_impulse(f, k, g);

@@ -57,6 +57,14 @@ static int begin_at_zero(ns_exact *f) {
     return status;
 }
 
+/* By the values of guards as mode k was judged; what dies out on the way of a resolved one does not count. */
+static void note_highest(ns_exact *f, const ns_exact_mode *k) {
+    const ns_mode_kernel *kernel = k->scale[0].kernel;
+    for (int g = 0; g < kernel->pair_rows && !k->resolves; g++)
+        if (kernel->row[g].to == NS_INSIDE)
+            f->highest = ns_higher(f->highest, fabs(f->work.values[g]));
+}
+
 /* The mode, and X_next, become the state's. */
 static void commit_mode(ns_exact *f, ns_exact_mode *k) {
     if (f->state.mode && f->state.mode != k)
@@ -73,8 +81,7 @@ static void commit_mode(ns_exact *f, ns_exact_mode *k) {
         f->failed = status != NS_OK ? status : f->failed;
     }
     ns_exact_note_size(f);
-    if (!k->resolves) /* what dies out on the way is not noted */
-        ns_exact_guards_note(f, k->scale[0].kernel);
+    note_highest(f, k);
 }
 
 /* Commanded pairs in mode a are as they are in mode b. */

@@ -65,6 +65,17 @@ static inline double v_of(const bench *b, int node) {
     return b->x[ns_circuit_node_unknown(b->c, node)];
 }
 
+/* From rest to `end` in steps of h at most: v(node) there.  *retries: of the run.  The bench is closed. */
+static inline double v_at_end(bench *b, double h, double end, ns_until until, int node, long *retries) {
+    start(b, h);
+    for (double t = 0; t < end;)
+        t = go(b, end, until);
+    const double v = v_of(b, node);
+    *retries = ns_march_counts(b->m)->retries;
+    close_bench(b);
+    return v;
+}
+
 static inline double i_of(const bench *b, int id) {
     return b->x[ns_circuit_current_unknown(b->c, id)];
 }

@@ -91,9 +91,6 @@ static void fluxes_that_do_not_add_up_are_kept(void **state) {
     }
 }
 
-/* Coupled windings: L i' = V - v, and the sum of the currents is zero: v = (1'L^-1 V)/(1'L^-1 1).  k = 0.5
- * between 1 mH and 4 mH: M = 1 mH; L^-1 = [4 -1; -1 1]/3 mH; with the third, of 5 mH:
- * 1'L^-1 V = (3*1 + 0*2)/3 + 3/5 = 1.6, 1'L^-1 1 = 1 + 0.2. */
 /* A node with an .ic beyond the star: what holds it may let a current into the star, so each winding keeps
  * its own flux.  Its .ic on the side of ground changes nothing. */
 static void a_held_node_feeds_the_star(void **state) {
@@ -111,6 +108,9 @@ static void a_held_node_feeds_the_star(void **state) {
     }
 }
 
+/* Coupled windings: L i' = V - v, and the sum of the currents is zero: v = (1'L^-1 V)/(1'L^-1 1).  k = 0.5
+ * between 1 mH and 4 mH: M = 1 mH; L^-1 = [4 -1; -1 1]/3 mH; with the third, of 5 mH:
+ * 1'L^-1 V = (3*1 + 0*2)/3 + 3/5 = 1.6, 1'L^-1 1 = 1 + 0.2. */
 static void coupled_windings(void **state) {
     static const double henries[] = {1e-3, 4e-3, 5e-3};
     const ns_march_options o = {.theta = 1, .gamma = 1, .h = 1e-6, .method = NS_SPARSE, .whole = 1};

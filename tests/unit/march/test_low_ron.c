@@ -92,13 +92,7 @@ static double sepic(double ron, long *retries) {
     assert_int_equal(ns_circuit_diode(b.c, "ad2", Y, OUT, &d, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(b.c, "c2", OUT, 0, 373.7e-9, 7.588, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(b.c, "r", OUT, 0, 116.2, NULL), NS_OK);
-    start(&b, 1.469e-5 / 1024);
-    for (double t = 0; t < 80 * 1.469e-5;)
-        t = go(&b, 80 * 1.469e-5, NS_TO_EVENT);
-    const double v = v_of(&b, OUT);
-    *retries = ns_march_counts(b.m)->retries;
-    close_bench(&b);
-    return v;
+    return v_at_end(&b, 1.469e-5 / 1024, 80 * 1.469e-5, NS_TO_EVENT, OUT, retries);
 }
 
 /* The second diode conducts through a loop of capacitors, in 4e-19 s.  Currents in that time are differences

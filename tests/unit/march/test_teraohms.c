@@ -26,13 +26,7 @@ static double flyback(double roff, long *retries) {
     assert_int_equal(ns_circuit_diode(b.c, "ad3", S, OUT, &d, NULL), NS_OK);
     assert_int_equal(ns_circuit_capacitor(b.c, "c2", OUT, 0, 34.08e-6, 0, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(b.c, "r2", OUT, 0, 8.02, NULL), NS_OK);
-    start(&b, 119.799e-6 / 65536);
-    for (double t = 0; t < 119.799e-6;)
-        t = go(&b, 119.799e-6, NS_TO_STEP);
-    const double v = v_of(&b, OUT);
-    *retries = ns_march_counts(b.m)->retries;
-    close_bench(&b);
-    return v;
+    return v_at_end(&b, 119.799e-6 / 65536, 119.799e-6, NS_TO_STEP, OUT, retries);
 }
 
 /* 5e20 V/s across the diode of the secondary: the rounding of the time is 1 V of that, by which the diode
@@ -83,13 +77,7 @@ static double bridge(double roff, long *retries) {
     assert_int_equal(ns_circuit_diode(b.c, "ad4", 0, LB, &d, NULL), NS_OK);
     assert_int_equal(ns_circuit_inductor(b.c, "l2", P, O, 0.5759, 0, NULL), NS_OK);
     assert_int_equal(ns_circuit_resistor(b.c, "r", O, 0, 10.92, NULL), NS_OK);
-    start(&b, 0.117048 / 65536);
-    for (double t = 0; t < 0.117048;)
-        t = go(&b, 0.117048, NS_TO_STEP);
-    const double v = v_of(&b, O);
-    *retries = ns_march_counts(b.m)->retries;
-    close_bench(&b);
-    return v;
+    return v_at_end(&b, 0.117048 / 65536, 0.117048, NS_TO_STEP, O, retries);
 }
 
 /* As a gate closes the switch of a thyristor, the leak through its diode, 1e-11 A, reverses within the
