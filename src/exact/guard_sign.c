@@ -170,9 +170,11 @@ static int breaks_on_the_way(ns_exact *f, ns_exact_mode *k, ns_evidence evidence
 /* 1 if mode k, which does not hold at f->X_next, held until its fast parts had died out; what they moved is
  * too little to count as a jump.  So a leak ends in L/roff, and then its diode conducts. */
 static int holds_for_an_instant(ns_exact *f, ns_exact_mode *k, ns_evidence evidence) {
+    const ns_mode_kernel *kernel = k->scale[0].kernel;
     ns_exact_mode *fine = ns_exact_mode_fine(f, k);
     const int holds = fine && judge_mode(f, fine, evidence, 0) == NS_VERDICT_HOLDS;
     (void)ns_exact_enter(f, k);
+    ns_exact_guard_values(f, kernel, f->X_next, f->work.values, f->work.values + 2 * kernel->rows);
     return holds;
 }
 
