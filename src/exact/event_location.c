@@ -103,8 +103,8 @@ void ns_exact_event_note_mended(ns_exact *f, const ns_exact_mode *was, int guard
     f->left.guard = guard;
 }
 
-/* Steps as short as the rounding of the time are known by how long after the event they are, which is exact.
- */
+/* What guard g may be off by here.  In steps as short as the rounding of the time that rounding does not
+ * count: how long after the event they are is exact. */
 static double break_tolerance(const ns_exact *f, const ns_mode_kernel *k, int g) {
     const int is_brief = k->h < 16 * ns_exact_rounding_of_time(f);
     const double rate = is_brief ? 0 : ns_exact_guard_of(k, k->rate, g, f->X);

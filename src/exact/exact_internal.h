@@ -240,7 +240,7 @@ struct ns_exact {
     ns_mode *command_target; /* nc: mode a flipped command goes to */
     unsigned char *flips;    /* nc: 1: this command by the state flipped in this event */
     int jumped;              /* 1: something did in this event */
-    double late;             /* s: so long ago a guard of the mode asked last passed zero, at most */
+    double late;             /* s: until guards of the mode asked last, below zero, have reached it */
     int resolves;            /* 1: in this event each mode that is tried is resolved */
     struct {
         unsigned char *first, *first_flips; /* nc: point->flip and flips as the event began, */

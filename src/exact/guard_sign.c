@@ -94,7 +94,7 @@ static void forget_judgement(ns_exact *f) {
     f->late = 0;
 }
 
-/* A guard below zero, of this value and rate, passed that so long ago. */
+/* f->late, by a guard of this value and rate. */
 static void note_late(ns_exact *f, const ns_mode_kernel *k, int g, double value, double rate) {
     if (value < 0 && rate > 0 && value < -ns_exact_guard_rounding_at(f, k, g, f->X_next, 0))
         f->late = ns_higher(f->late, -value / rate);
@@ -178,8 +178,8 @@ static int holds_for_an_instant(ns_exact *f, ns_exact_mode *k, ns_evidence evide
     return holds;
 }
 
-/* 1 if a guard of mode k, which holds at f->X_next without a jump, is below zero once what dies out as if in
- * an instant has: terms of (E1) have it without that, the value at tau = 0 with it. */
+/* 1 if mode k holds at f->X_next, but a guard is below zero as soon as its fast parts have died out.  The
+ * value of a guard at tau = 0 includes these parts, the sum of the first terms of (E1) does not. */
 static int breaks_when_it_is_over(const ns_exact *f, const ns_exact_mode *k) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     for (int g = 0; g < kernel->pair_rows && k->hides && !k->resolves; g++) {

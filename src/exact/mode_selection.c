@@ -27,8 +27,8 @@ static void remember_successor(ns_exact_mode *from, ns_exact_mode *to, uint64_t 
     from->successor[0] = (ns_successor){to, undecided};
 }
 
-/* So long ago (s) the last guard of the state's mode that is below zero passed it: not longer than
- * `known_to`. */
+/* s: until the last guard of the state's mode that is below zero, and rises, has reached zero.  Guards that
+ * take longer than `known_to` are left out. */
 static double late_by(const ns_exact *f, const ns_mode_kernel *k, double known_to) {
     double late = 0;
     for (int g = 0; g < k->pair_rows; g++) {
@@ -42,8 +42,9 @@ static double late_by(const ns_exact *f, const ns_mode_kernel *k, double known_t
     return late;
 }
 
-/* The instant of the event is known to event_time_error, and that excuses guards below zero.  They pass it
- * soon, and X goes on to there: by Newton, from below, as what dies out does. */
+/* The mode was taken though guards are below zero, as they reach zero within the error of the event's time.
+ * X is moved on until they have, by Newton's method: a guard that settles rises ever more slowly, so no step
+ * of it goes beyond zero. */
 static int begin_at_zero(ns_exact *f) {
     enum { MOST = 8 };
     ns_time_scale *scale = &f->state.mode->scale[0];
@@ -57,7 +58,8 @@ static int begin_at_zero(ns_exact *f) {
     return status;
 }
 
-/* By the values of guards as mode k was judged; what dies out on the way of a resolved one does not count. */
+/* f->highest, by the values that guards had as mode k was judged.  Modes with their fast parts resolved do
+ * not count: a voltage that lasts 1e-16 s may be 1e12 V. */
 static void note_highest(ns_exact *f, const ns_exact_mode *k) {
     const ns_mode_kernel *kernel = k->scale[0].kernel;
     for (int g = 0; g < kernel->pair_rows && !k->resolves; g++)
